@@ -1,0 +1,32 @@
+# make report   set up what is missing, run the shipped corpus through every renderer, print the report's path
+# make test     set up what is missing, run the whole test suite
+.PHONY: setup report test lint bench lock clean
+
+PYTHON := .venv/bin/python
+
+setup:
+	@.ci/setup
+
+report: setup
+	@.venv/bin/equilux run --out build/report
+
+test:
+	@.ci/setup --browser
+	@$(PYTHON) -m ruff check .
+	@$(PYTHON) -m mypy
+	@$(PYTHON) -m pytest -q -n 2 --dist worksteal
+
+lint: setup
+	$(PYTHON) -m ruff check .
+	$(PYTHON) -m mypy
+
+bench: setup
+	@$(PYTHON) -m pytest -q tests/bench
+
+# Rewrites the locks: every version pinned by hash, no address of any registry.
+lock: setup
+	build/uv/bin/uv pip compile -q --universal --all-extras --generate-hashes --no-annotate --no-header --python-version 3.11 pyproject.toml -o requirements.lock
+	echo "uv" | build/uv/bin/uv pip compile -q --universal --generate-hashes --no-annotate --no-header --python-version 3.11 - -o .ci/uv.txt
+
+clean:
+	rm -rf build .venv equilux-out
