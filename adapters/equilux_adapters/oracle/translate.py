@@ -1,0 +1,20 @@
+"""Scene → program: the typed scene itself, as JSON, and the one command that evaluates it."""
+
+from __future__ import annotations
+
+import equilux_oracle
+from equilux.adapter import Program, Unsupported
+from equilux_scenes.case import Case
+
+SCENE_FILE = "scene.json"
+COMMAND_FILE = "command.txt"
+COMMAND = f"python -m equilux_oracle {SCENE_FILE} radiance.npy bound.npy\n"
+
+
+def program_of(case: Case) -> Program:
+    """The scene without what does not change its picture. Raises Unsupported for a mesh."""
+    lacking = equilux_oracle.supports(case)
+    if lacking:
+        raise Unsupported(lacking, f"no closed form for {', '.join(lacking)}")
+    text = case.scene.model_dump_json(indent=1, exclude={"about", "sweep", "expect"})
+    return Program({SCENE_FILE: (text + "\n").encode(), COMMAND_FILE: COMMAND.encode()}, SCENE_FILE)

@@ -1,0 +1,61 @@
+"""Ray against the flat primitives: plane, disc, rectangle.
+
+(o + t d)·n = 0, o measured from a point of the plane: t = −(o·n)/(d·n); no crossing where the ray runs along
+the plane. The borders of disc and rectangle belong to them.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from equilux_scenes.model import Disc, Plane, Rectangle
+
+from equilux_oracle.doubledouble import DD, Bools, cross, dot, vector
+from equilux_oracle.doubledouble import direction as directed
+from equilux_oracle.shapes.crossing import Crossing, Primitive, each_ray, vanishes
+
+
+def plane(shape: Plane) -> Primitive:
+    """The whole plane through `point`."""
+    normal = directed(shape.normal)
+
+    def crossing(origin: DD, direction: DD) -> Crossing:
+        hit, t = _cross_plane(origin, direction, normal)
+        return Crossing(hit, t, each_ray(normal, len(hit)))
+
+    return Primitive(np.asarray(shape.point), np.inf, crossing)
+
+
+def disc(shape: Disc) -> Primitive:
+    """|P − center| ≤ radius."""
+    normal = directed(shape.normal)
+
+    def crossing(origin: DD, direction: DD) -> Crossing:
+        hit, t = _cross_plane(origin, direction, normal)
+        point = origin + direction * t
+        hit &= dot(point, point) <= DD(shape.radius) * shape.radius
+        return Crossing(hit, t, each_ray(normal, len(hit)))
+
+    return Primitive(np.asarray(shape.center), shape.radius, crossing)
+
+
+def rectangle(shape: Rectangle) -> Primitive:
+    """P = corner + a edge_u + b edge_v with 0 ≤ a, b ≤ 1; the edges are orthogonal, so a = (P − corner)·edge_u / |edge_u|²."""
+    edges = vector(shape.edge_u), vector(shape.edge_v)
+    normal = cross(*edges)
+
+    def crossing(origin: DD, direction: DD) -> Crossing:
+        hit, t = _cross_plane(origin, direction, normal)
+        point = origin + direction * t
+        for edge in edges:
+            along = dot(point, edge)
+            hit &= (along.hi >= 0.0) & (along <= dot(edge, edge))
+        return Crossing(hit, t, each_ray(normal, len(hit)))
+
+    return Primitive(np.asarray(shape.corner), float(np.linalg.norm(shape.edge_u) + np.linalg.norm(shape.edge_v)), crossing)
+
+
+def _cross_plane(origin: DD, direction: DD, normal: DD) -> tuple[Bools, DD]:
+    towards = dot(direction, normal)
+    crosses = ~vanishes(towards * towards, dot(direction, direction) * dot(normal, normal))
+    t = -(dot(origin, normal) / towards)
+    return crosses & (t.hi > 0.0), t

@@ -1,0 +1,30 @@
+"""Ray against sphere."""
+
+from __future__ import annotations
+
+import numpy as np
+from equilux_scenes.model import Sphere
+
+from equilux_oracle.doubledouble import DD, dot
+from equilux_oracle.shapes.crossing import Crossing, Primitive, first_positive
+
+
+def sphere(shape: Sphere) -> Primitive:
+    """|o + t d|² = r², o measured from the centre.
+
+    The foot of the centre's perpendicular is at t_m = −(o·d)/|d|², at distance h = |o + t_m d|; the crossings are at
+    t_m ± √((r² − h²)/|d|²). That avoids the difference of squares b² − ac of the textbook, which cancels on small far spheres.
+    The normal is the hit point itself.
+    """
+    radius = shape.radius
+
+    def cross(origin: DD, direction: DD) -> Crossing:
+        dd = dot(direction, direction)
+        middle = -(dot(origin, direction) / dd)
+        foot = origin + direction * middle
+        inside = DD(radius) * radius - dot(foot, foot)
+        half = (inside / dd).sqrt()
+        ahead, t = first_positive(middle - half, middle + half)
+        return Crossing((inside.hi >= 0.0) & ahead, t, origin + direction * t)
+
+    return Primitive(np.asarray(shape.center), radius, cross)
