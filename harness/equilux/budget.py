@@ -1,8 +1,8 @@
 """The uncertainty budget of a render: named terms, each with a kind and a reason.
 
-Two renders agree at a pixel when |L_a − L_b| ≤ B, B = Σ bounds of both + k √(σ_a² + σ_b²). A `Bound` is a hard limit on |error|. A
-`Geometric` term bounds the error of the normal, of the position or of the position on the film, and is propagated through the
-reference. A `Sampled` term is a standard deviation.
+Two renders agree at a pixel when |L_a − L_b| ≤ B, B = Σ bounds of both + k √(σ_a² + σ_b²). A `Bound` is a hard limit on
+|error|. A `Geometric` term bounds the error of the normal, of the position or of the position on the film, and is propagated
+through the reference. A `Sampled` term is a standard deviation.
 """
 
 from __future__ import annotations
@@ -32,8 +32,9 @@ class Bound:
 class Geometric:
     """A bound on what the renderer knows of the geometry, to be propagated through the reference.
 
-    normal: bound on |ΔN| of the unit shading normal; position_m: bound on |ΔP| of the shaded point; each either one number or one per
-    object (key: index in `scene.objects`, absent: 0). film_px: how far, in pixels, a discontinuity may be displaced on the film.
+    normal: bound on |ΔN| of the unit shading normal; position_m: bound on |ΔP| of the shaded point; each either one number or
+    one per object (key: index in `scene.objects`, absent: 0). film_px: how far, in pixels, a discontinuity may be displaced
+    on the film.
     """
 
     name: str
