@@ -1,6 +1,7 @@
 """`python -m equilux_oracle SCENE.json RADIANCE.npy [BOUND.npy]`: the picture of a scene.
 
-The scene is the typed model's JSON, axes fixed. Writes float64 (h, w, 3), W/(m²·sr), row 0 on top, and the bound on its arithmetic error likewise.
+The scene is the typed model's JSON, axes fixed. Writes float64 (h, w, 3), W/(m²·sr), row 0 on top, and the bound on its
+arithmetic error likewise.
 """
 
 from __future__ import annotations

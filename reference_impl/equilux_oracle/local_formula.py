@@ -55,15 +55,17 @@ def surface(materials: list[Material], index: Array, ambient: tuple[float, float
 
 @dataclass
 class Shading:
-    """Radiance (3, n) being summed, with the running error of the sum; and the bound so far, in u."""
+    """Radiance (3, n) being summed, with the running error of the sum; the bound so far, in u; and the scale Σ E_i (K_diff +
+    K_spec)."""
 
     total: Array
     lost: Array
     bound: Array
+    scale: Array
 
     @classmethod
     def begin(cls, here: Surface) -> Shading:
-        return cls(here.constant.copy(), np.zeros_like(here.constant), 2.0 * here.constant)
+        return cls(here.constant.copy(), np.zeros_like(here.constant), 2.0 * here.constant, here.constant.copy())
 
     def add(self, term: Array) -> None:
         """Neumaier's compensated sum of terms that are never negative."""
@@ -84,6 +86,7 @@ def shade(here: Surface, normal: DD, to_viewer: DD, light: Arriving, into: Shadi
     with np.errstate(invalid="ignore", divide="ignore"):  # a light exactly at the point has no direction, and adds nothing
         to_light = w / np.sqrt(np.sum(w**2, axis=0))
         cosine = np.sum(n * to_light, axis=0)
+    into.scale += light.value * (here.diffuse + here.specular)
     lit = np.flatnonzero(cosine > 0.0)
     if len(lit) == 0:
         return

@@ -8,8 +8,8 @@ from equilux.adapter import Bound, Budget, RawRender, Reading
 from equilux_adapters.oracle.render import BOUND, RADIANCE
 
 REASON = (
-    "Rounding of the closed form's evaluation, first order in u = 2^-53 and a tenth more; geometry is exact (double-double) and rounded "
-    "once. 2 u (K_emit + K_amb L_amb) + u Σ E_i [(e_i + 12) K_diff + (e_i + 6 + 34 s(p)) K_spec] + u L, "
+    "Rounding of the closed form's evaluation, first order in u = 2^-53 and a tenth more; geometry is exact (double-double) "
+    "and rounded once. 2 u (K_emit + K_amb L_amb) + u Σ E_i [(e_i + 12) K_diff + (e_i + 6 + 34 s(p)) K_spec] + u L, "
     "where e_i (0 to 9, and the spot's) is the light's own error "
     "and s(p) = √p ((p−1)/p)^((p−1)/2) is how much the highlight feels a direction's."
 )
