@@ -1,0 +1,78 @@
+"""Cutting triangles in double, so that nothing is left for the rasteriser to clip in single precision."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from equilux_adapters.vtk.kit.view import Mesh, View, seen_from
+
+Array = Any
+
+
+def cut(points: Array, triangles: Array, distance: Array) -> tuple[Array, Array, Array]:
+    """Split triangles where `distance` (n,) changes sign: all points, triangles with distance ≥ 0, triangles with distance ≤ 0.
+
+    A new point is worked out from the inner to the outer end of its edge: triangles that share an edge get equal points, no cracks.
+    """
+    inside = distance >= 0
+    count = inside[triangles].sum(axis=1)
+    kept, dropped = [triangles[count == 3]], [triangles[count == 0]]
+    for inner, lone, others in ((1, kept, dropped), (2, dropped, kept)):
+        crossing = triangles[count == inner]
+        if len(crossing) == 0:
+            continue
+        # turn each triangle until the corner that is alone on its side comes first
+        first = np.argmax(inside[crossing] == (inner == 1), axis=1)
+        a, b, c = (crossing[np.arange(len(crossing)), (first + k) % 3] for k in range(3))
+        ends = []
+        for end in (b, c):
+            start, stop = (a, end) if inner == 1 else (end, a)
+            t = distance[start] / (distance[start] - distance[stop])
+            ends.append(len(points) + np.arange(len(a)))
+            points = np.concatenate([points, points[start] + (points[stop] - points[start]) * t[:, None]])
+            distance = np.concatenate([distance, np.zeros(len(a))])
+        ab, ac = ends
+        lone.append(np.stack([a, ab, ac], axis=1))
+        others += [np.stack([ab, b, c], axis=1), np.stack([ab, c, ac], axis=1)]
+    return points, np.concatenate(kept), np.concatenate(dropped)
+
+
+def in_frame(view: View, mesh: Mesh, margin: float = 1.1) -> Mesh:
+    """What the film can see of a mesh, a little beyond its border so that no edge of geometry lies on the border of the picture.
+
+    Nothing is cut near or far: the side planes meet in the eye, and of a parallel view only what is behind the eye's plane goes.
+    """
+    points, triangles = np.concatenate([mesh.points, mesh.normals], axis=1), mesh.triangles
+    film = np.concatenate([margin * view.half_width * np.array([[1, 0], [-1, 0]]), margin * view.half_height * np.array([[0, 1], [0, -1]])])
+    for side in film:
+        x, y, depth = seen_from(view, points[:, :3]).T
+        room = (side @ side) * (1.0 if view.parallel else depth) - side[0] * x - side[1] * y
+        points, triangles, _ = cut(points, triangles, room)
+    depth = seen_from(view, points[:, :3])[:, 2]
+    used = depth[triangles]
+    floor = 0.0 if view.parallel else 1e-9 * np.max(used, initial=0.0)
+    points, triangles, _ = cut(points, triangles, depth - floor)
+    if not view.parallel:
+        points, triangles = in_slices(view, points, triangles)
+    used, index = np.unique(triangles, return_inverse=True)
+    return Mesh(points[used, :3], points[used, 3:], index.reshape(-1, 3))
+
+
+def in_slices(view: View, points: Array, triangles: Array) -> tuple[Array, Array]:
+    """Cut at depths 2^k, where a triangle reaches over more than one octave of depth.
+
+    The rasteriser interpolates 1/depth linearly in single precision: over many octaves the far end keeps no digits. All triangles
+    of the mesh are cut alike, so that neighbours still share their points.
+    """
+    depth = seen_from(view, points[:, :3])[:, 2]
+    if len(triangles) == 0 or np.max(depth[triangles].max(axis=1) / depth[triangles].min(axis=1)) <= 2:
+        return points, triangles
+    low, high = np.log2(depth[triangles].min()), np.log2(depth[triangles].max())
+    done = []
+    for octave in range(int(np.floor(low)) + 1, int(np.ceil(high))):
+        depth = seen_from(view, points[:, :3])[:, 2]
+        points, triangles, nearer = cut(points, triangles, depth - 2.0**octave)
+        done.append(nearer)
+    return points, np.concatenate([*done, triangles])

@@ -1,0 +1,126 @@
+"""Tessellation of what is round: finer where it is seen at a grazing angle, where a flat facet misplaces the normal most.
+
+On a facet whose corners lie on a circle of radius R and whose normals are radial, the interpolated normal is exactly the radial one
+*of the facet's point*. The facet lies s = R θ²/8 below the arc of angle θ, so a ray coming in at the angle i from the normal meets it
+s tan i aside of where it meets the circle: the normal is off by θ²/8 · tan i, and nothing else is.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from equilux_adapters.vtk.kit.view import Mesh, View, place
+
+Array = Any
+
+FACET_MIN_PX = 1 / 64
+"""Facets are not made narrower on the film: corners are moved to multiples of 1/256 pixel, and a facet that this turns over is lit from
+behind."""
+
+
+@dataclass(frozen=True)
+class Round:
+    """How a circle (or a sphere's meridian) is seen, and how it is divided.
+
+    angles: from 0, towards the eye, to π. rim: index of the angle where the surface is seen edge-on, len(angles) − 1 when the eye is
+    inside. steepness: tan i at each angle (inf at the rim). across: the largest step allowed along the parallels at each angle.
+    """
+
+    angles: Array
+    rim: int
+    steepness: Array
+    across: Array
+
+
+def divide(distance: float, segments: int, radius_px: float, stretch: float = 1.0) -> Round:
+    """Angles of a unit circle seen from `distance` (inf: parallel rays), at a tolerance of (2π/segments)²/8 on the normal.
+
+    radius_px: the radius on the film, pixels. stretch: largest by smallest factor of the object's transform.
+    """
+
+    def steepness(angles: Array) -> Array:
+        with np.errstate(divide="ignore", invalid="ignore"):
+            if np.isinf(distance):
+                return np.abs(np.tan(angles))
+            return distance * np.abs(np.sin(angles)) / np.abs(distance * np.cos(angles) - 1)
+
+    tolerance = (2 * np.pi / segments) ** 2 / 8 / stretch
+    largest, smallest = 2 * np.pi / segments / np.sqrt(2), FACET_MIN_PX / radius_px
+
+    def wanted(tan_i: Array) -> Array:
+        return np.minimum(np.sqrt(4 * tolerance / np.maximum(tan_i, 1e-300)), largest)
+
+    def stretch_of(start: float, end: float) -> Array:
+        # a fine grid, denser at both ends, where the density of steps may be singular
+        grid = start + (end - start) * (1 - np.cos(np.linspace(0, np.pi, 8193))) / 2
+        middle = (grid[1:] + grid[:-1]) / 2
+        tan_i = steepness(middle)
+        per_angle = np.minimum(1 / wanted(tan_i), 1 / np.sqrt(1 + tan_i**2) / smallest)
+        steps = np.concatenate([[0.0], np.cumsum(per_angle * np.diff(grid))])
+        count = max(3, int(steps[-1]))
+        return np.interp(np.linspace(0, steps[-1], count + 1), steps, grid)
+
+    if distance > 1:
+        rim = np.pi / 2 if np.isinf(distance) else np.arccos(1 / distance)
+        front, back = stretch_of(0.0, rim), stretch_of(rim, np.pi)
+        angles, rim_index = np.concatenate([front, back[1:]]), len(front) - 1
+    else:
+        angles = stretch_of(0.0, np.pi)
+        rim_index = len(angles) - 1
+    tan_i = steepness(angles)
+    if distance > 1:
+        tan_i[rim_index] = np.inf
+    inner = np.where(np.isinf(tan_i), np.roll(tan_i, 1), tan_i)
+    return Round(angles, rim_index, tan_i, np.maximum(wanted(inner), 2 * smallest))
+
+
+def axes_towards(direction: Array) -> Array:
+    """(3, 3): rows u, v, w, right-handed and unit, w along `direction`."""
+    w = np.asarray(direction, dtype=float) / np.linalg.norm(direction)
+    u = np.cross(w, np.eye(3)[np.argmin(np.abs(w))])
+    u /= np.linalg.norm(u)
+    return np.stack([u, np.cross(w, u), w])
+
+
+def eye_in_object(view: View, matrix: Array | None) -> tuple[Array, Array]:
+    """The eye, and the direction against the view, in object space."""
+    if matrix is None:
+        return view.eye, -view.forward
+    matrix = np.asarray(matrix, dtype=float)
+    inverse = np.linalg.inv(matrix[:3, :3])
+    return inverse @ (view.eye - matrix[:3, 3]), -inverse @ view.forward
+
+
+def pixels_per_length(view: View, matrix: Array | None, points: Array, reach: float) -> tuple[float, float]:
+    """Pixels on the film per unit of length in object space near `points`, give or take `reach`; and the transform's stretch.
+
+    At the far end, but no more than four times as far as the near end, and along the transform's most shrunken direction.
+    """
+    linear, shift = (np.eye(3), np.zeros(3)) if matrix is None else (np.asarray(matrix, dtype=float)[:3, :3], np.asarray(matrix)[:3, 3])
+    factors = np.linalg.svd(linear, compute_uv=False)
+    if view.parallel:
+        return view.pixels_per_unit * factors[-1], factors[0] / factors[-1]
+    depth = (np.atleast_2d(points) @ linear.T + (shift - view.eye)) @ view.forward
+    far = max(np.max(depth) + reach * factors[0], 1e-300)
+    near = min(max(np.min(depth) - reach * factors[0], far / 1e3), far)
+    return view.pixels_per_unit * factors[-1] / min(far, 4 * near), factors[0] / factors[-1]
+
+
+def sphere_division(view: View, center: Array, radius: float, segments: int, matrix: Array | None = None) -> tuple[Array, Round, Array]:
+    """Axes (w towards the eye), the meridian's division, and the number of points on each parallel (a power of two times 8)."""
+    center = np.asarray(center, dtype=float)
+    eye, against = eye_in_object(view, matrix)
+    axes = axes_towards(against if view.parallel or np.allclose(eye, center, rtol=0, atol=1e-12 * radius) else eye - center)
+    scale, stretch = pixels_per_length(view, matrix, center, radius)
+    distance = np.inf if view.parallel else float(np.linalg.norm(eye - center)) / radius
+    meridian = divide(distance, segments, radius * scale, stretch)
+    levels = np.ceil(np.log2(np.maximum(2 * np.pi * np.sin(meridian.angles) / meridian.across / 8, 1))).astype(int)
+    # parallels next to each other differ by a factor of two at most
+    for k in range(len(levels) - 2, 0, -1):
+        levels[k] = max(levels[k], levels[k + 1] - 1)
+    for k in range(2, len(levels)):
+        levels[k] = max(levels[k], levels[k - 1] - 1)
+    return axes, meridian, 8 * 2**levels

@@ -1,0 +1,168 @@
+"""VTK itself: lights, materials, and one frame as linear float32 radiance."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any
+
+import numpy as np
+from vtkmodules.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray
+from vtkmodules.vtkCommonCore import VTK_FLOAT, vtkPoints
+from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkPolyData
+from vtkmodules.vtkRenderingCore import vtkActor, vtkCamera, vtkLight, vtkPolyDataMapper, vtkProperty, vtkRenderer
+from vtkmodules.vtkRenderingOpenGL2 import (
+    vtkCameraPass,
+    vtkEGLRenderWindow,
+    vtkFramebufferPass,
+    vtkLightsPass,
+    vtkOpaquePass,
+    vtkOSOpenGLRenderWindow,
+    vtkPixelBufferObject,
+    vtkSequencePass,
+    vtkTextureObject,
+)
+
+from equilux_adapters.vtk.kit.clip import in_frame
+from equilux_adapters.vtk.kit.view import Mesh, View, seen_from
+
+Array = Any
+
+
+def directional_light(direction: Array, irradiance: Array) -> vtkLight:
+    """A light at infinity, travelling along `direction`."""
+    light = vtkLight()
+    light.SetLightTypeToSceneLight()
+    light.SetPositional(False)
+    light.SetPosition(*(-np.asarray(direction, dtype=float)))
+    light.SetFocalPoint(0, 0, 0)
+    light.SetColor(*irradiance)
+    return light
+
+
+def point_light(view: View, position: Array, intensity: Array, attenuation: Array) -> vtkLight:
+    """A light at a point; attenuation: constant, linear and quadratic term."""
+    light = vtkLight()
+    light.SetLightTypeToSceneLight()
+    light.SetPositional(True)
+    light.SetPosition(*(np.asarray(position, dtype=float) - view.eye))
+    light.SetConeAngle(180)  # not a spot: the default is a cone of 30°
+    light.SetColor(*intensity)
+    light.SetAttenuationValues(*attenuation)
+    return light
+
+
+def spot_light(
+    view: View, position: Array, direction: Array, intensity: Array, attenuation: Array, cone_half_angle_deg: float, exponent: float
+) -> vtkLight:
+    """A point light within a hard cone, weakened by cos^exponent off its axis."""
+    light = point_light(view, position, intensity, attenuation)
+    direction = np.asarray(direction, dtype=float)
+    # the axis runs from the position to the focal point
+    reach = max(1.0, float(np.max(np.abs(light.GetPosition()))))
+    light.SetFocalPoint(*(np.asarray(light.GetPosition()) + reach * direction / np.linalg.norm(direction)))
+    light.SetConeAngle(cone_half_angle_deg)
+    light.SetExponent(exponent)
+    return light
+
+
+def actor(mesh: Mesh, surface: vtkProperty) -> vtkActor:
+    """A mesh, already cut to the film, with its material; rounded to single precision here."""
+    data, points, cells = vtkPolyData(), vtkPoints(), vtkCellArray()
+    points.SetData(numpy_to_vtk(np.ascontiguousarray(mesh.points, dtype=np.float32), deep=True))
+    cells.SetData(3, numpy_to_vtkIdTypeArray(np.ascontiguousarray(mesh.triangles.ravel(), dtype=np.int64), deep=True))
+    normals = numpy_to_vtk(np.ascontiguousarray(mesh.normals, dtype=np.float32), deep=True)
+    data.SetPoints(points)
+    data.SetPolys(cells)
+    data.GetPointData().SetNormals(normals)
+    mapper = vtkPolyDataMapper()
+    mapper.SetInputData(data)
+    result = vtkActor()
+    result.SetMapper(mapper)
+    result.SetProperty(surface)
+    return result
+
+
+def clipping_range(view: View, meshes: Iterable[Mesh]) -> tuple[float, float]:
+    """Depths just around everything that is seen, so that depth keeps as many digits as it can."""
+    depths = [seen_from(view, mesh.points)[:, 2] for mesh in meshes if len(mesh.points)]
+    if not depths:
+        return 1.0, 2.0
+    near, far = (float(f([f(depth) for depth in depths])) for f in (np.min, np.max))
+    room = 1e-3 * (far - near) + 1e-3 * near
+    return (near - room if view.parallel else 0.999 * near), far + room
+
+
+def offscreen_window(width: int, height: int) -> Any:
+    """A window that needs no display: software OSMesa where there is one, else EGL without a surface."""
+    for kind in (vtkOSOpenGLRenderWindow, vtkEGLRenderWindow):
+        window = kind()
+        window.SetOffScreenRendering(True)
+        window.SetMultiSamples(0)  # one sample, at the pixel's centre
+        window.SetSize(width, height)
+        window.Initialize()
+        if window.GetInitialized():
+            return window
+    raise RuntimeError("no OpenGL context: neither OSMesa (libOSMesa) nor EGL (libEGL) could be started")
+
+
+def float_radiance() -> vtkFramebufferPass:
+    """The frame in a texture of 32-bit floats: the window's own buffer has 8 bits and clamps at 1."""
+    steps = vtkSequencePass()
+    camera, frame = vtkCameraPass(), vtkFramebufferPass()
+    from vtkmodules.vtkRenderingOpenGL2 import vtkRenderPassCollection
+
+    passes = vtkRenderPassCollection()
+    passes.AddItem(vtkLightsPass())
+    passes.AddItem(vtkOpaquePass())
+    steps.SetPasses(passes)
+    camera.SetDelegatePass(steps)
+    frame.SetDelegatePass(camera)
+    frame.SetColorFormat(vtkTextureObject.Float32)
+    frame.SetDepthFormat(vtkTextureObject.Float32)
+    return frame
+
+
+def render(view: View, background: Array, lights: list[vtkLight], objects: list[tuple[Mesh, vtkProperty]]) -> tuple[Array, str]:
+    """One frame: (height, width, 3) float32, row 0 on top; and what OpenGL says of itself."""
+    window = offscreen_window(view.width, view.height)
+    try:
+        renderer = vtkRenderer()
+        renderer.SetBackground(*background)
+        renderer.SetAutomaticLightCreation(False)
+        renderer.SetPass(frame := float_radiance())
+        window.AddRenderer(renderer)
+        for light in lights:
+            renderer.AddLight(light)
+        seen = [(in_frame(view, mesh), surface) for mesh, surface in objects]
+        # on equal depth VTK keeps what is drawn last: the first object has to be that
+        for mesh, surface in reversed(seen):
+            if len(mesh.triangles):
+                renderer.AddActor(actor(mesh, surface))
+        renderer.SetActiveCamera(camera_of(view, clipping_range(view, [mesh for mesh, _ in seen])))
+        window.Render()
+        return download(frame, view), window.ReportCapabilities()
+    finally:
+        window.Finalize()
+
+
+def camera_of(view: View, near_far: tuple[float, float]) -> vtkCamera:
+    """The eye is the origin of all coordinates that VTK is given."""
+    camera = vtkCamera()
+    camera.SetPosition(0, 0, 0)
+    camera.SetFocalPoint(*view.forward)
+    camera.SetViewUp(*view.up)
+    if view.parallel:
+        camera.SetParallelProjection(True)
+        camera.SetParallelScale(view.half_height)
+    else:
+        camera.SetViewAngle(2 * np.degrees(np.arctan(view.half_height)))
+    camera.SetClippingRange(*near_far)
+    return camera
+
+
+def download(frame: vtkFramebufferPass, view: View) -> Array:
+    """The colour texture, turned so that row 0 is on top."""
+    pixels = np.zeros((view.height, view.width, 4), dtype=np.float32)
+    buffer: vtkPixelBufferObject = frame.GetColorTexture().Download()
+    buffer.Download2D(VTK_FLOAT, pixels, [view.width, view.height], 4, [0, 0])
+    return np.ascontiguousarray(pixels[::-1, :, :3])

@@ -1,0 +1,78 @@
+"""The camera in double precision, and triangles seen from it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+Array = Any
+
+
+@dataclass(frozen=True)
+class Mesh:
+    """Triangles in coordinates relative to the eye (world axes, metres), double precision.
+
+    points: (n, 3). normals: (n, 3), outward, not of unit length in general. triangles: (m, 3), counter-clockwise seen from outside.
+    """
+
+    points: Array
+    normals: Array
+    triangles: Array
+
+
+@dataclass(frozen=True)
+class View:
+    """Where the picture is taken from; right, up and forward are unit. half_height: tan(fov_y / 2), or metres when `parallel`."""
+
+    eye: Array
+    right: Array
+    up: Array
+    forward: Array
+    half_height: float
+    width: int
+    height: int
+    parallel: bool = False
+
+    @property
+    def half_width(self) -> float:
+        """Like half_height, along the film's rows: pixels are square."""
+        return self.half_height * self.width / self.height
+
+    @property
+    def pixels_per_unit(self) -> float:
+        """Pixels per unit of half_height."""
+        return self.height / 2 / self.half_height
+
+
+def look_at(eye: Array, target: Array, up: Array) -> dict[str, Array]:
+    """Eye and right-handed axes: right = forward × up."""
+    eye = np.asarray(eye, dtype=float)
+    forward = np.asarray(target, dtype=float) - eye
+    forward /= np.linalg.norm(forward)
+    right = np.cross(forward, np.asarray(up, dtype=float) / np.max(np.abs(up)))
+    right /= np.linalg.norm(right)
+    return {"eye": eye, "forward": forward, "right": right, "up": np.cross(right, forward)}
+
+
+def seen_from(view: View, points: Array) -> Array:
+    """(n, 3) relative to the eye → (n, 3): along right, up and forward."""
+    return points @ np.stack([view.right, view.up, view.forward], axis=1)
+
+
+def place(view: View, points: Array, normals: Array, triangles: Array, matrix: Array | None = None) -> Mesh:
+    """Object space → relative to the eye, in double, so that a scene far from the origin keeps its digits in float32 later.
+
+    Normals go by the inverse transpose and are *not* made unit again: VTK interpolates them linearly and normalises per pixel, so
+    interpolating before and after the transform is the same. A mirroring matrix turns the winding, which must agree with the normals.
+    """
+    if matrix is None:
+        return Mesh(points - view.eye, normals, triangles)
+    matrix = np.asarray(matrix, dtype=float)
+    linear, shift = matrix[:3, :3], matrix[:3, 3]
+    inverse = np.linalg.inv(linear)
+    if np.linalg.det(linear) < 0:
+        triangles = triangles[:, ::-1]
+    # the scale of normals is free: keep it near 1, float32 has to hold it
+    return Mesh(points @ linear.T + (shift - view.eye), normals @ inverse * np.cbrt(abs(np.linalg.det(linear))), triangles)

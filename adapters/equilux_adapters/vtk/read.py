@@ -1,0 +1,18 @@
+"""The script's image, with its budget."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from equilux.adapter import Bound, Budget, Geometric, Program, RawRender, Reading, RendererFailed
+from equilux_adapters.vtk.knobs import VtkKnobs
+from equilux_adapters.vtk.render import IMAGE
+
+
+def read(raw: RawRender, program: Program, knobs: VtkKnobs) -> Reading:
+    """float32 (h, w, 3). Raises RendererFailed when the script left no such image."""
+    try:
+        image = np.load(raw.files[IMAGE])
+    except (OSError, ValueError) as error:
+        raise RendererFailed(f"{IMAGE}: {error}") from error
+    return Reading(image, Budget(()))

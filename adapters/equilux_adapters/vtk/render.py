@@ -1,0 +1,50 @@
+"""Runs a script in the engine's long-lived worker: VTK is imported once, everything else is made afresh for every picture."""
+
+from __future__ import annotations
+
+import runpy
+import sys
+import time
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+
+from equilux.adapter import Limits, Program, RawRender, RendererFailed
+from equilux_adapters.vtk.knobs import VtkKnobs
+
+IMAGE = "image.npy"
+
+
+def render(program: Program, program_dir: Path, workdir: Path, limits: Limits, knobs: VtkKnobs) -> RawRender:
+    """Execute the saved script itself. Raises RendererFailed with what VTK said."""
+    seconds = {"start": _start()}
+    before = time.perf_counter()
+    try:
+        image, capabilities = runpy.run_path(str(program_dir / program.entry), run_name="scene")["picture"]()
+    except Exception as error:
+        raise RendererFailed(f"{program.entry}: {type(error).__name__}: {error}") from error
+    seconds["render"] = time.perf_counter() - before
+    np.save(workdir / IMAGE, image)
+    return RawRender({IMAGE: workdir / IMAGE}, seconds, environment=_environment(capabilities))
+
+
+def _start() -> float:
+    """Import VTK and make a first context, once per worker; seconds."""
+    if "vtkmodules.vtkRenderingOpenGL2" in sys.modules:
+        return 0.0
+    before = time.perf_counter()
+    from vtkmodules.vtkCommonCore import vtkOutputWindow
+    from equilux_adapters.vtk.kit import stage
+
+    output = vtkOutputWindow.GetInstance()
+    output.SetDisplayModeToAlwaysStdErr()
+    stage.offscreen_window(8, 8).Finalize()
+    return time.perf_counter() - before
+
+
+def _environment(capabilities: str) -> Mapping[str, str]:
+    """What OpenGL says of itself, and which window VTK drew into."""
+    found = dict(line.split(" string:", 1) for line in capabilities.splitlines() if " string:" in line)
+    result = {key.lower().replace(" ", "_"): value.strip() for key, value in found.items() if key.startswith("OpenGL")}
+    return result | {"window": "EGL" if any(key.startswith("EGL") for key in found) else "OSMesa"}
