@@ -1,7 +1,217 @@
+// The Python module equilux_tracer._tracer: a builder for the scene description, the world, and rendering into NumPy arrays.
 #include <nanobind/nanobind.h>
-#if EQUILUX_EMBREE_MAJOR == 3
-#include <embree3/rtcore.h>
-#else
-#include <embree4/rtcore.h>
-#endif
-NB_MODULE(_tracer, m) { m.doc() = "The exact Phong tracer of equilux."; m.attr("embree_version") = RTC_VERSION_STRING; }
+#include <nanobind/ndarray.h>
+#include <nanobind/stl/array.h>
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/string.h>
+
+#include <algorithm>
+#include <optional>
+
+#include "embree_shim.h"
+#include "kernel.h"
+
+namespace nb = nanobind;
+
+namespace equilux {
+namespace {
+
+struct Cancelled : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+using Triple = std::array<double, 3>;
+using Doubles = nb::ndarray<double, nb::numpy, nb::c_contig, nb::device::cpu>;
+using ConstDoubles = nb::ndarray<const double, nb::numpy, nb::c_contig, nb::device::cpu>;
+using ConstInts = nb::ndarray<const std::int64_t, nb::numpy, nb::c_contig, nb::device::cpu>;
+
+Vec3d vec(const Triple& t) { return {t[0], t[1], t[2]}; }
+Bands bands(const Triple& t) { return {t[0], t[1], t[2]}; }
+
+std::vector<Vec3d> points(const ConstDoubles& array, const char* what) {
+  if (array.ndim() != 2 || array.shape(1) != 3) throw TracerError(std::string(what) + ": expected shape (n, 3)");
+  std::vector<Vec3d> result(array.shape(0));
+  for (std::size_t i = 0; i < result.size(); ++i) {
+    const double* row = array.data() + 3 * i;
+    result[i] = {row[0], row[1], row[2]};
+    if (!std::isfinite(row[0] + row[1] + row[2])) throw TracerError(std::string(what) + ": not finite");
+  }
+  return result;
+}
+
+int add_mesh(SceneDescription& scene, const ConstDoubles& vertices, const ConstInts& faces,
+             const std::optional<ConstDoubles>& vertex_normals) {
+  MeshDescription mesh;
+  mesh.vertices = points(vertices, "mesh vertices");
+  if (vertex_normals) mesh.vertex_normals = points(*vertex_normals, "mesh vertex normals");
+  if (vertex_normals && mesh.vertex_normals.size() != mesh.vertices.size()) {
+    throw TracerError("mesh vertex normals: expected one per vertex");
+  }
+  if (faces.ndim() != 2 || faces.shape(1) != 3) throw TracerError("mesh faces: expected shape (m, 3)");
+  mesh.faces.resize(faces.shape(0));
+  for (std::size_t i = 0; i < mesh.faces.size(); ++i) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::int64_t index = faces.data()[3 * i + k];
+      if (index < 0 || static_cast<std::size_t>(index) >= mesh.vertices.size()) {
+        throw TracerError("mesh face " + std::to_string(i) + ": vertex " + std::to_string(index) + " does not exist");
+      }
+      mesh.faces[i][k] = static_cast<std::uint32_t>(index);
+    }
+  }
+  scene.meshes.push_back(std::move(mesh));
+  return static_cast<int>(scene.meshes.size()) - 1;
+}
+
+void add_object(SceneDescription& scene, ShapeKind kind, int material, const std::array<double, 16>& matrix, const Triple& a,
+                const Triple& b, const Triple& c, double radius, bool capped, int mesh) {
+  if (material < 0 || static_cast<std::size_t>(material) >= scene.materials.size()) throw TracerError("object: no such material");
+  if (kind == ShapeKind::mesh && (mesh < 0 || static_cast<std::size_t>(mesh) >= scene.meshes.size())) {
+    throw TracerError("object: no such mesh");
+  }
+  scene.objects.push_back({kind, material, matrix, vec(a), vec(b), vec(c), radius, capped, mesh});
+}
+
+// KeyboardInterrupt and other signals, asked for on the calling thread with the GIL taken for a moment.
+bool python_signal_pending() {
+  const nb::gil_scoped_acquire gil;
+  return PyErr_CheckSignals() != 0;
+}
+
+Samples samples_of(const World& world, const std::optional<ConstDoubles>& film_xy) {
+  Samples samples;
+  samples.film_width = world.description.width;
+  if (!film_xy) {
+    samples.count = static_cast<std::size_t>(world.description.width) * static_cast<std::size_t>(world.description.height);
+    return samples;
+  }
+  if (film_xy->ndim() != 2 || film_xy->shape(1) != 2) throw TracerError("film_xy: expected shape (n, 2)");
+  samples.film_xy = film_xy->data();
+  samples.count = film_xy->shape(0);
+  if (!std::all_of(samples.film_xy, samples.film_xy + 2 * samples.count, [](double v) { return std::fabs(v) < 1e30; })) {
+    throw TracerError("film_xy: a position is not finite, or beyond 1e30 pixels");
+  }
+  return samples;
+}
+
+// The data of a requested channel, if its array has the size that the samples need.
+template <class T> T* output(nb::dict& arrays, const char* name, std::size_t size) {
+  if (!arrays.contains(name)) return nullptr;
+  auto array = nb::cast<nb::ndarray<T, nb::numpy, nb::c_contig, nb::device::cpu>>(arrays[name]);
+  if (array.size() != size) throw TracerError(std::string(name) + ": array of the wrong size");
+  return array.data();
+}
+
+void finish(bool complete) {
+  if (complete) return;
+  if (PyErr_Occurred() != nullptr) throw nb::python_error();
+  throw Cancelled("cancelled");
+}
+
+void trace(const World& world, const std::optional<ConstDoubles>& film_xy, nb::dict arrays, int threads, const Cancel* cancel) {
+  const Samples samples = samples_of(world, film_xy);
+  const std::size_t n = samples.count, lights = world.lights.size();
+  Outputs out;
+  out.radiance = output<double>(arrays, "radiance", 3 * n);
+  out.emission = output<double>(arrays, "emission", 3 * n);
+  out.ambient = output<double>(arrays, "ambient", 3 * n);
+  out.diffuse = output<double>(arrays, "diffuse", 3 * n * lights);
+  out.specular = output<double>(arrays, "specular", 3 * n * lights);
+  out.object_id = output<std::int32_t>(arrays, "object_id", n);
+  out.depth = output<double>(arrays, "depth", n);
+  out.normal = output<double>(arrays, "normal", 3 * n);
+  out.position = output<double>(arrays, "position", 3 * n);
+  out.signature = output<std::uint64_t>(arrays, "signature", n);
+  bool complete;
+  {
+    const nb::gil_scoped_release release;
+    complete = render(world, samples, out, threads, cancel, python_signal_pending);
+  }
+  finish(complete);
+}
+
+}  // namespace
+}  // namespace equilux
+
+NB_MODULE(_tracer, m) {
+  using namespace equilux;
+  m.doc() = "The exact Phong tracer of equilux: Embree finds candidates, double and double-double decide and shade.";
+  m.attr("embree_version") = RTC_VERSION_STRING;
+  nb::exception<TracerError>(m, "TracerError", PyExc_ValueError);
+  nb::exception<Cancelled>(m, "Cancelled", PyExc_RuntimeError);
+
+  nb::enum_<Projection>(m, "Projection").value("perspective", Projection::perspective).value("orthographic", Projection::orthographic);
+  nb::enum_<LightKind>(m, "LightKind")
+      .value("point", LightKind::point)
+      .value("directional", LightKind::directional)
+      .value("spot", LightKind::spot);
+  nb::enum_<ShapeKind>(m, "ShapeKind")
+      .value("sphere", ShapeKind::sphere)
+      .value("plane", ShapeKind::plane)
+      .value("box", ShapeKind::box)
+      .value("disc", ShapeKind::disc)
+      .value("rectangle", ShapeKind::rectangle)
+      .value("cylinder", ShapeKind::cylinder)
+      .value("mesh", ShapeKind::mesh);
+
+  nb::class_<Cancel>(m, "Cancel", "Stops a render from another thread: pass it as `cancel`, then call `cancel()`.")
+      .def(nb::init<>())
+      .def("cancel", &Cancel::cancel, "Ask to stop; the render raises Cancelled soon after.")
+      .def_prop_ro("cancelled", &Cancel::cancelled);
+
+  nb::class_<SceneDescription>(m, "SceneDescription", "The scene as plain numbers, world coordinates, SI units.")
+      .def(nb::init<>())
+      .def(
+          "set_camera",
+          [](SceneDescription& scene, Projection projection, const Triple& eye, const Triple& target, const Triple& up,
+             double fov_y_deg, double height_m) {
+            scene.camera = {projection, vec(eye), vec(target), vec(up), fov_y_deg, height_m};
+          },
+          nb::kw_only(), nb::arg("projection"), nb::arg("eye"), nb::arg("target"), nb::arg("up"), nb::arg("fov_y_deg") = 0.0,
+          nb::arg("height_m") = 0.0)
+      .def(
+          "set_film",
+          [](SceneDescription& scene, int width, int height) {
+            if (width < 1 || height < 1) throw TracerError("film: width and height must be at least 1");
+            scene.width = width;
+            scene.height = height;
+          },
+          nb::arg("width"), nb::arg("height"))
+      .def(
+          "set_surroundings",
+          [](SceneDescription& scene, const Triple& ambient, const Triple& background) {
+            scene.ambient = bands(ambient);
+            scene.background = bands(background);
+          },
+          nb::kw_only(), nb::arg("ambient"), nb::arg("background"))
+      .def(
+          "add_light",
+          [](SceneDescription& scene, LightKind kind, const Triple& strength, const Triple& position, const Triple& direction,
+             const Triple& attenuation, double cone_half_angle_deg, double exponent) {
+            scene.lights.push_back({kind, vec(position), vec(direction), bands(strength), attenuation[0], attenuation[1],
+                                    attenuation[2], cone_half_angle_deg, exponent});
+          },
+          nb::kw_only(), nb::arg("kind"), nb::arg("strength"), nb::arg("position") = Triple{}, nb::arg("direction") = Triple{},
+          nb::arg("attenuation") = Triple{0, 0, 1}, nb::arg("cone_half_angle_deg") = 90.0, nb::arg("exponent") = 0.0)
+      .def(
+          "add_material",
+          [](SceneDescription& scene, const Triple& diffuse, const Triple& specular, double exponent, const Triple& ambient,
+             const Triple& emission) {
+            scene.materials.push_back({bands(diffuse), bands(specular), exponent, bands(ambient), bands(emission)});
+            return static_cast<int>(scene.materials.size()) - 1;
+          },
+          nb::kw_only(), nb::arg("diffuse"), nb::arg("specular"), nb::arg("exponent"), nb::arg("ambient"), nb::arg("emission"))
+      .def("add_mesh", &add_mesh, nb::kw_only(), nb::arg("vertices"), nb::arg("faces"), nb::arg("vertex_normals").none())
+      .def("add_object", &add_object, nb::kw_only(), nb::arg("kind"), nb::arg("material"), nb::arg("matrix"),
+           nb::arg("a") = Triple{}, nb::arg("b") = Triple{}, nb::arg("c") = Triple{}, nb::arg("radius") = 0.0,
+           nb::arg("capped") = true, nb::arg("mesh") = -1);
+
+  nb::class_<World>(m, "World", "A scene prepared for tracing; read-only, any number of threads may trace it.")
+      .def(
+          "__init__",
+          [](World* self, const SceneDescription& scene) {
+            const nb::gil_scoped_release release;
+            new (self) World(scene);
+          },
+          nb::arg("scene"))
+      .def("trace", &trace, nb::kw_only(), nb::arg("film_xy").none(), nb::arg("arrays"), nb::arg("threads"), nb::arg("cancel").none());
+}

@@ -1,0 +1,109 @@
+"""A typed scene → the plain numbers of the tracer's own scene description."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from equilux_scenes.case import Case
+from equilux_scenes.model import (
+    Attenuation,
+    Box,
+    Cylinder,
+    DirectionalLight,
+    Disc,
+    Light,
+    Material,
+    Mesh,
+    Object,
+    OrthographicCamera,
+    PerspectiveCamera,
+    Plane,
+    PointLight,
+    Rectangle,
+    Sphere,
+)
+from equilux_scenes.transforms import matrix
+from equilux_tracer import _tracer
+
+
+def describe(case: Case) -> _tracer.SceneDescription:
+    """The case as the tracer wants it. Raises TracerError for a scene that it cannot hold."""
+    scene = case.scene
+    if scene.model != "phong":
+        raise _tracer.TracerError(f"model: got {scene.model!r}, allowed 'phong'")
+    description = _tracer.SceneDescription()
+    _describe_camera(description, scene.camera)
+    description.set_film(scene.film.width, scene.film.height)
+    description.set_surroundings(ambient=scene.ambient, background=scene.background)
+    for light in scene.lights.values():
+        _describe_light(description, light)
+    materials = {name: _describe_material(description, material) for name, material in scene.materials.items()}
+    for index, obj in enumerate(scene.objects):
+        shape = _shape(obj)
+        if isinstance(obj, Mesh):
+            mesh = case.meshes[index]
+            shape["mesh"] = description.add_mesh(vertices=mesh.vertices, faces=mesh.faces, vertex_normals=mesh.vertex_normals)
+        description.add_object(material=materials[obj.material], matrix=matrix(obj).ravel().tolist(), **shape)
+    return description
+
+
+def _describe_camera(description: _tracer.SceneDescription, camera: PerspectiveCamera | OrthographicCamera) -> None:
+    if isinstance(camera, PerspectiveCamera):
+        projection, size = _tracer.Projection.perspective, {"fov_y_deg": camera.fov_y_deg}
+    else:
+        projection, size = _tracer.Projection.orthographic, {"height_m": camera.height_m}
+    description.set_camera(projection=projection, eye=camera.eye, target=camera.target, up=camera.up, **size)
+
+
+def _describe_light(description: _tracer.SceneDescription, light: Light) -> None:
+    kind = _tracer.LightKind
+    if isinstance(light, DirectionalLight):
+        description.add_light(kind=kind.directional, strength=light.irradiance, direction=light.direction)
+    elif isinstance(light, PointLight):
+        description.add_light(
+            kind=kind.point, strength=light.intensity, position=light.position, attenuation=_terms(light.attenuation)
+        )
+    else:
+        description.add_light(
+            kind=kind.spot,
+            strength=light.intensity,
+            position=light.position,
+            direction=light.direction,
+            attenuation=_terms(light.attenuation),
+            cone_half_angle_deg=light.cone_half_angle_deg,
+            exponent=light.exponent,
+        )
+
+
+def _terms(attenuation: Attenuation) -> tuple[float, float, float]:
+    return attenuation.constant, attenuation.linear, attenuation.quadratic
+
+
+def _describe_material(description: _tracer.SceneDescription, material: Material) -> int:
+    return description.add_material(
+        diffuse=material.diffuse,
+        specular=material.specular,
+        exponent=material.exponent,
+        ambient=material.ambient,
+        emission=material.emission,
+    )
+
+
+def _shape(obj: Object) -> dict[str, Any]:
+    """What `add_object` calls a, b, c, … of each shape: see ObjectDescription in scene_description.h."""
+    kind = _tracer.ShapeKind
+    match obj:
+        case Sphere():
+            return {"kind": kind.sphere, "a": obj.center, "radius": obj.radius}
+        case Plane():
+            return {"kind": kind.plane, "a": obj.point, "b": obj.normal}
+        case Box():
+            return {"kind": kind.box, "a": obj.min, "b": obj.max}
+        case Disc():
+            return {"kind": kind.disc, "a": obj.center, "b": obj.normal, "radius": obj.radius}
+        case Rectangle():
+            return {"kind": kind.rectangle, "a": obj.corner, "b": obj.edge_u, "c": obj.edge_v}
+        case Cylinder():
+            return {"kind": kind.cylinder, "a": obj.base, "b": obj.top, "radius": obj.radius, "capped": obj.capped}
+        case Mesh():
+            return {"kind": kind.mesh}

@@ -1,0 +1,22 @@
+// The shaded point, found again in double-double once the search has said which surface it lies on.
+#pragma once
+
+#include "search.h"
+
+namespace equilux {
+
+// All eye-relative world coordinates; directions unit, leaving the surface.
+struct SurfacePoint {
+  int object = 0;
+  int face = 0;                // face of a box or cylinder; triangle of a flat mesh; else 0
+  bool outside = true;         // the viewer is on the side of the outward (winding) normal
+  DoubleDouble s;              // depth along the camera's forward
+  double distance = 0;         // along the unit ray, metres
+  Vec3dd position;
+  Vec3dd normal;               // N, unit, on the viewer's side
+  Vec3dd to_viewer;            // V, unit
+};
+
+SurfacePoint surface_point(const World& world, const FilmRay& ray, const Candidate& hit);
+
+}  // namespace equilux

@@ -1,0 +1,127 @@
+#include "world.h"
+
+#include <algorithm>
+#include <string>
+
+#include "placement.h"
+
+namespace equilux {
+
+namespace {
+
+// Lengths whose fourth power over- or underflows are refused: nothing physical is lost, and no product needs a guard.
+constexpr double largest_length = 1e60, smallest_length = 1e-60;
+
+void refuse(int object, const std::string& what) { throw TracerError("objects[" + std::to_string(object) + "]: " + what); }
+
+Solid solid_of(const ObjectDescription& object) {
+  switch (object.kind) {
+    case ShapeKind::sphere: return Solid::sphere;
+    case ShapeKind::plane: return Solid::plane;
+    case ShapeKind::box: return Solid::box;
+    case ShapeKind::disc: return Solid::disc;
+    case ShapeKind::rectangle: return Solid::rectangle;
+    case ShapeKind::cylinder: return object.capped ? Solid::cylinder_capped : Solid::cylinder_open;
+    case ShapeKind::mesh: break;
+  }
+  return Solid::mesh;
+}
+
+void check_placement(int index, const Placement& placement) {
+  double product = 1;
+  for (const Vec3dd& column : placement.linear.column) {
+    const double size = length(to_double(column));
+    if (!(size < largest_length)) refuse(index, "its size is beyond 1e60 m");
+    if (!(size > smallest_length)) refuse(index, "its size is below 1e-60 m, or its transform is singular");
+    product *= size;
+  }
+  if (!(largest(to_double(placement.origin)) < largest_length)) refuse(index, "it is farther than 1e60 m from the eye");
+  if (!(std::fabs(to_double(determinant(placement.linear))) > product * 0x1p-80)) refuse(index, "its transform is singular");
+}
+
+RayFrame<double> rounded(const RayFrame<DoubleDouble>& frame) {
+  return {to_double(frame.eye), to_double(frame.right), to_double(frame.up), to_double(frame.forward)};
+}
+
+}  // namespace
+
+World::World(SceneDescription scene) : description(std::move(scene)), camera(description) {
+  eye_size = largest(camera.eye);
+  if (!(eye_size < largest_length)) throw TracerError("camera: the eye is farther than 1e60 m from the origin");
+  objects.resize(description.objects.size());
+  for (std::size_t i = 0; i < objects.size(); ++i) place_object(static_cast<int>(i));
+  prepare_lights();
+  build_embree();
+}
+
+World::~World() {
+  if (embree != nullptr) rtcReleaseScene(embree);
+}
+
+void World::place_object(int index) {
+  const ObjectDescription& given = description.objects[static_cast<std::size_t>(index)];
+  Object& object = objects[static_cast<std::size_t>(index)];
+  object.solid = solid_of(given);
+  object.material = given.material;
+  const Placement placement = chained(canonical_to_object(given), object_to_eye(given, camera.eye));
+  check_placement(index, placement);
+  object.to_canonical_linear = inverse(placement.linear);
+  if (object.solid == Solid::mesh) {
+    object.mesh = static_cast<int>(meshes.size());
+    place_mesh(index, placement);
+    return;
+  }
+  const Matrix3<DoubleDouble>& back = object.to_canonical_linear;
+  object.exact = {-(back * placement.origin), back * camera.right, back * camera.up, back * camera.forward};
+  object.rounded = rounded(object.exact);
+  (object.solid == Solid::plane ? unbounded : bounded).push_back(index);
+}
+
+void World::place_mesh(int index, const Placement& placement) {
+  MeshObject mesh;
+  mesh.world = this;
+  mesh.object = index;
+  mesh.given = &description.meshes[static_cast<std::size_t>(description.objects[static_cast<std::size_t>(index)].mesh)];
+  mesh.placement = placement;
+  mesh.vertices.reserve(mesh.given->vertices.size());
+  // camera frame = rows (right, up, forward) · placement, folded into one matrix
+  const auto folded = [&](const Vec3dd& axis) { return transposed_times(placement.linear, axis); };
+  const Vec3dd row[3] = {folded(camera.right), folded(camera.up), folded(camera.forward)};
+  const DoubleDouble shift[3] = {dot(camera.right, placement.origin), dot(camera.up, placement.origin),
+                                 dot(camera.forward, placement.origin)};
+  for (const Vec3d& given : mesh.given->vertices) {
+    const Vec3dd v = exactly(given);
+    const auto along = [&](int k) { return to_double(dot(row[k], v) + shift[k]); };
+    mesh.vertices.push_back({along(0), along(1), along(2)});
+    if (!(std::max({std::fabs(mesh.vertices.back().x), std::fabs(mesh.vertices.back().y), std::fabs(mesh.vertices.back().z)}) <
+          largest_length)) {
+      refuse(index, "a vertex is farther than 1e60 m from the eye");
+    }
+  }
+  meshes.push_back(std::move(mesh));
+}
+
+void World::prepare_lights() {
+  for (const LightDescription& given : description.lights) {
+    Light light;
+    light.given = given;
+    light.position = difference(given.position, camera.eye);
+    if (given.kind != LightKind::point) {
+      light.axis = direction_of(given.direction);
+      light.to_light = -light.axis;
+      light.axis_rounded = to_double(light.axis);
+      light.to_light_rounded = to_double(light.to_light);
+    }
+    if (given.kind == LightKind::spot) {
+      light.cone_cosine = sine_cosine_of_degrees(given.cone_half_angle_deg).cosine;
+      features.spot = true;
+    }
+    lights.push_back(light);
+  }
+  for (const ObjectDescription& object : description.objects) {
+    features.specular |= description.materials[static_cast<std::size_t>(object.material)].specular.any();
+  }
+  features.specular &= !lights.empty();
+}
+
+}  // namespace equilux

@@ -1,0 +1,85 @@
+// The scene prepared for tracing: every object's placement about the eye, materials, lights, and the Embree scene that finds candidates.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "affine.h"
+#include "embree_shim.h"
+#include "scene_description.h"
+#include "shapes/triangle.h"
+
+namespace equilux {
+
+enum class Solid { sphere, plane, box, disc, rectangle, cylinder_capped, cylinder_open, mesh };
+
+// An analytic object: one canonical shape and where it is.
+struct Object {
+  Solid solid = Solid::sphere;
+  int material = 0;
+  int mesh = -1;                              // index into World::meshes
+  Matrix3<DoubleDouble> to_canonical_linear;  // inverse of the placement's linear part; its transpose carries normals to the world
+  RayFrame<DoubleDouble> exact;
+  RayFrame<double> rounded;
+};
+
+class World;
+
+// A mesh: vertices in the camera's frame for the search; object coordinates and placement for the exact triangle.
+struct MeshObject {
+  const World* world = nullptr;
+  int object = 0;
+  const MeshDescription* given = nullptr;
+  Placement placement;
+  std::vector<CameraPoint> vertices;
+
+  Vec3dd vertex(std::uint32_t index) const { return placement.linear * exactly(given->vertices[index]) + placement.origin; }
+  ExactTriangle triangle(std::uint32_t face) const {
+    const auto& corner = given->faces[face];
+    return {vertex(corner[0]), vertex(corner[1]), vertex(corner[2])};
+  }
+};
+
+struct Light {
+  LightDescription given;
+  Vec3dd position;      // eye-relative
+  Vec3dd to_light;      // unit: directional
+  Vec3dd axis;          // unit: spot, the way the light travels
+  Vec3d to_light_rounded, axis_rounded;
+  DoubleDouble cone_cosine;
+};
+
+// What a scene makes use of: selects the kernel, which has no code for anything else.
+struct Features {
+  bool specular = false;
+  bool spot = false;
+};
+
+// Built once, read-only afterwards: any number of threads may trace it.
+class World {
+ public:
+  explicit World(SceneDescription scene);
+  ~World();
+  World(const World&) = delete;
+  World& operator=(const World&) = delete;
+
+  const SceneDescription description;
+  const Camera camera;
+  std::vector<Object> objects;
+  std::vector<int> unbounded;  // planes: tested for every ray, in file order
+  std::vector<int> bounded;    // analytic objects inside Embree: primitive number → object
+  std::vector<MeshObject> meshes;
+  std::vector<Light> lights;
+  Features features;
+  RTCScene embree = nullptr;   // null when nothing is bounded
+  double embree_scale = 1;     // power of two: metres → Embree's units
+  double eye_size = 0;         // largest |coordinate| of the eye: the rounding of the spec's own numbers is relative to it
+
+ private:
+  void place_object(int index);
+  void place_mesh(int index, const Placement& placement);
+  void prepare_lights();
+  void build_embree();
+};
+
+}  // namespace equilux
