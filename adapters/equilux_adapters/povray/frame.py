@@ -1,0 +1,157 @@
+"""The coordinates a scene is written in: the world's, unless POV-Ray's absolute tolerances or float32 boxes call for others."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+from equilux.adapter import Unsupported
+from equilux_scenes.case import Case
+from equilux_scenes.model import Box, Camera, PerspectiveCamera, Plane, Sphere
+from equilux_scenes.transforms import matrix, unit
+
+from equilux_adapters.povray import distances
+
+Vector = npt.NDArray[np.float64]
+
+NEAREST_HIT = 1e-3  # units; ten times MIN_ISECT_DEPTH (Q14)
+FARTHEST_HIT = 1e6  # units; a tenth of MAX_DISTANCE (Q14)
+SQUARED_CHORD = 1e-10  # units²; a sphere hit with a shorter half-chord is a miss (Q15)
+BOX_CORNER = 1e-6  # units of depth; nearer to an edge of a box the face may be taken wrongly (Q15)
+PLANE_DEPTH = 1e7  # units; a plane farther along the ray is a miss (Q14)
+BOX_ROUNDING = 4 * 2.0**-24  # relative; bounding boxes, the ray's origin and 1/direction are float32 (Q16)
+TOLERABLE_PX = 0.01  # beyond this the unit is chosen for accuracy instead of readability
+
+
+@dataclass(frozen=True)
+class View:
+    """The camera's frame: unit vectors, right = forward × up; full extents of the film at unit distance (else metres)."""
+
+    eye: Vector
+    forward: Vector
+    right: Vector
+    up: Vector
+    width: float
+    height: float
+    perspective: bool
+    pixel: float  # radians at the middle of the film, or metres
+
+    def film_px(self, angle: float) -> float:
+        """How far, in pixels, an error of `angle` radians in a ray moves a point on the film: most in the corners."""
+        return angle * (1.0 + (self.width**2 + self.height**2) / 4.0) / self.pixel
+
+
+@dataclass(frozen=True)
+class Frame:
+    """written = (world − origin) · scale. film_px: how far POV-Ray's tolerances may displace a discontinuity, in pixels."""
+
+    origin: Vector
+    scale: float
+    film_px: float
+
+    def point(self, world: npt.ArrayLike) -> Vector:
+        return (np.asarray(world, dtype=np.float64) - self.origin) * self.scale
+
+    def matrix(self, to_world: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+        """Object → world, continued into the written frame."""
+        result = to_world.copy()
+        result[:3, 3] -= self.origin
+        result[:3] *= self.scale
+        return result
+
+    @property
+    def is_world(self) -> bool:
+        return self.scale == 1.0 and not self.origin.any()
+
+
+def view(case: Case) -> View:
+    camera, film = case.scene.camera, case.scene.film
+    eye: Vector = np.array(camera.eye, dtype=np.float64)
+    forward: Vector = np.array(unit(tuple(np.array(camera.target) - eye)))
+    right: Vector = np.array(unit(tuple(np.cross(forward, unit(camera.up)))))
+    height = _film_height(camera)
+    width = height * film.width / film.height
+    up = np.cross(right, forward)
+    return View(eye, forward, right, up, width, height, isinstance(camera, PerspectiveCamera), height / film.height)
+
+
+def _film_height(camera: Camera) -> float:
+    if isinstance(camera, PerspectiveCamera):
+        return 2.0 * math.tan(math.radians(camera.fov_y_deg) / 2.0)
+    return camera.height_m
+
+
+def choose(case: Case) -> Frame:
+    """The world's own frame where it is good enough, else one shifted to the eye and scaled by a power of ten.
+
+    Raises Unsupported when the scene spans more lengths than POV-Ray's absolute tolerances leave room for.
+    """
+    camera = view(case)
+    near, far = _hit_range(case, camera)
+    origin = _origin(case, camera, far)
+    scales = [1.0] + [10.0**n for n in range(-8, 9) if n]
+    fitting = [s for s in scales if _fits(near, far, s)]
+    if not fitting:
+        shapes = sorted({f"shape.{obj.kind}" for obj in case.scene.objects})
+        span = f"from {near:g} m to {far:g} m in front of the eye"
+        raise Unsupported(shapes, f"surfaces {span}: POV-Ray sees {NEAREST_HIT:g} to {FARTHEST_HIT:g} of its units")
+    errors = {s: film_error(case, camera, origin, s) for s in fitting}
+    best = fitting[0] if errors[fitting[0]] <= TOLERABLE_PX else min(fitting, key=lambda s: errors[s])
+    return Frame(origin, best, errors[best])
+
+
+def _fits(near: float, far: float, scale: float) -> bool:
+    return near * scale >= NEAREST_HIT and far * scale <= FARTHEST_HIT
+
+
+def _hit_range(case: Case, camera: View) -> tuple[float, float]:
+    """Bounds of the depths at which finite objects can be hit. An eye on a surface counts not."""
+    near, far = math.inf, 0.0
+    for index in range(len(case.scene.objects)):
+        if camera.perspective:
+            near = min(near, distances.nearest(case, index, camera.eye) or math.inf)
+        hull = distances.extremes(case, index)
+        if hull is not None:
+            far = max(far, float(np.linalg.norm(hull - camera.eye, axis=1).max()))
+            if not camera.perspective:
+                depths = (hull - camera.eye) @ camera.forward
+                near = min(near, float(depths.min())) if depths.min() > 0 else near
+        elif not camera.perspective:
+            far = max(far, camera.height)
+    return (near, max(near, far)) if math.isfinite(near) else (1.0, max(1.0, far))
+
+
+def _origin(case: Case, camera: View, far: float) -> Vector:
+    """Zero, unless the scene lies so far from it that float32 bounding boxes would be coarse: then the eye (Q16)."""
+    remote = float(np.abs(camera.eye).max()) > 16.0 * max(far, camera.height if not camera.perspective else 0.0, 1e-300)
+    return camera.eye.copy() if remote else np.zeros(3)
+
+
+def film_error(case: Case, camera: View, origin: Vector, scale: float) -> float:
+    """A bound, in pixels, on how far POV-Ray's tolerances displace silhouettes and edges: the worst object counts."""
+    return max([1e-6] + [_object_error(case, camera, origin, scale, index) for index in range(len(case.scene.objects))])
+
+
+def _object_error(case: Case, camera: View, origin: Vector, scale: float, index: int) -> float:
+    obj = case.scene.objects[index]
+    distance = max(distances.nearest(case, index, camera.eye), NEAREST_HIT / scale) if camera.perspective else 1.0
+    if isinstance(obj, Sphere):
+        # the rim moves inwards by δ where δ (2 r − δ) = SQUARED_CHORD, measured in object space when there is a transform
+        linear = np.linalg.svd(matrix(obj)[:3, :3], compute_uv=False)
+        unit_per_metre = 1.0 if obj.transform else scale
+        shift = SQUARED_CHORD / (2.0 * obj.radius * unit_per_metre**2) * float(linear[0])
+        return camera.film_px(shift / distance)
+    if isinstance(obj, Box):
+        return camera.film_px(BOX_CORNER / scale / distance)
+    if isinstance(obj, Plane):
+        # beyond PLANE_DEPTH the plane ends, before the horizon; the angle left is height / depth
+        height = abs(float(np.dot(unit(obj.normal), camera.eye - np.array(obj.point)))) if not obj.transform else distance
+        return camera.film_px(height * scale / PLANE_DEPTH) if camera.perspective else 0.0
+    # every other shape is clipped by a float32 bounding box
+    hull = distances.extremes(case, index)
+    assert hull is not None
+    remote = float(max(np.abs(hull - origin).max(), np.abs(camera.eye - origin).max()))
+    span = distance if camera.perspective else 1.0
+    return camera.film_px(BOX_ROUNDING * (1.0 + remote / span))

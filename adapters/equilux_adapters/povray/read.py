@@ -1,0 +1,59 @@
+"""The exposures → linear radiance with its uncertainty budget."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+from equilux.adapter import Bound, Budget, Geometric, Program, RawRender, Reading
+from equilux.budget import Term
+
+from equilux_adapters.povray.exposures import HALF_STEP, merge
+from equilux_adapters.povray.knobs import PovrayKnobs
+from equilux_adapters.povray.png import read_codes
+
+FLOAT32 = 2.0**-24  # relative, one rounding
+LIGHT_CUT = 1e-10  # irradiance × Exposure in every band below which POV-Ray drops a light (Q13)
+
+
+def read(raw: RawRender, program: Program, knobs: PovrayKnobs) -> Reading:
+    """(h, w, 3) float32. Raises RendererFailed for files that are not what POV-Ray was asked to write."""
+    facts = program.data
+    codes = {raw.data["full_scales"][name]: read_codes(path, facts["width"], facts["height"]) for name, path in raw.files.items()}
+    radiance, used = merge(codes)
+    return Reading(radiance.astype(np.float32), Budget(tuple(_terms(facts, used))))
+
+
+def _terms(facts: Any, used: npt.NDArray[np.float64]) -> Iterator[Term]:
+    yield Bound("quantisation", "PNG of 16 bits: half a step of the exposure the value was read from (Q22)", abs=used * HALF_STEP)
+    yield _arithmetic(facts)
+    yield Bound("storage", "the merged image is float32", rel=FLOAT32)
+    if facts["sources"]:
+        reason = f"a light whose irradiance × Exposure is below {LIGHT_CUT:g} in every band is dropped (Q13)"
+        yield Bound("light-cut", reason, abs=used * (LIGHT_CUT * facts["sources"] * facts["strength"]))
+    if facts["fading"]:
+        yield Bound("fade-distance", "a pure power law is 2/(1 + (r/d)^p) with a small d: (d/r)^p at the nearest lit point (Q9)",
+                    rel=facts["fading"])
+    if facts["cancelled"]:
+        yield Bound("cancellation", "three attenuation terms are two lights of opposite sign (Q10)", abs=facts["cancelled"])
+    yield Geometric("film", "absolute tolerances and float32 bounding boxes (Q14, Q15, Q16)", film_px=facts["film_px"])
+    if facts["meshes"]:
+        yield Geometric(
+            "mesh-storage", "mesh2 keeps vertices and normals in float32 (Q20)",
+            normal={int(index): mesh["normal"] for index, mesh in facts["meshes"].items()},
+            position_m={int(index): mesh["position_m"] for index, mesh in facts["meshes"].items()},
+        )
+
+
+def _arithmetic(facts: Any) -> Bound:
+    """Colours are float32 (Q5). Every partial sum is positive, so relative errors of its parts and of each addition add up:
+
+    the light's colour (1) and its attenuation (1), pigment (1), finish (1), their products (2), weights of layers (2), Exposure
+    times what glows (1), encoding to 16 bits (2); and one rounding per light added. phong_size in float32 turns s = (R·V)^p into
+    s^(1 + 2⁻²⁴): |ln s| roundings, at most 10 where s ≥ e⁻¹⁰, and below that 10 e⁻¹⁰ of the brightest highlight.
+    """
+    roundings = 11 + facts["sources"] + 10 * bool(facts["highlight"])
+    return Bound("float32-colours", "POV-Ray computes colours in float32 (Q5)", rel=roundings * FLOAT32,
+                 abs=10 * float(np.exp(-10.0)) * FLOAT32 * facts["highlight"])

@@ -1,0 +1,127 @@
+"""Run POV-Ray: one process per exposure, those of a wave side by side, because each sleeps most of its time (Q25)."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import time
+from collections.abc import Mapping, Sequence
+from contextlib import ExitStack
+from dataclasses import dataclass
+from pathlib import Path
+
+from equilux.adapter import Limits, Program, RawRender, RendererCrashed, RendererFailed, RendererTimedOut
+
+from equilux_adapters.povray.exposures import Plan
+from equilux_adapters.povray.knobs import PovrayKnobs
+from equilux_adapters.povray.png import read_codes
+from equilux_adapters.povray.translate import SETTINGS_FILE
+
+EXECUTABLE = "povray"
+POLL_S = 0.005
+TAIL_LINES = 12
+
+
+@dataclass(frozen=True)
+class Exposure:
+    """One run of POV-Ray: radiances up to full_scale fill the range of the file."""
+
+    full_scale: float
+    name: str
+
+    @property
+    def arguments(self) -> list[str]:
+        return [f"Output_File_Name={self.name}", f"Declare=Exposure={1.0 / self.full_scale!r}"]
+
+
+def render(program: Program, program_dir: Path, workdir: Path, limits: Limits, knobs: PovrayKnobs) -> RawRender:
+    """All exposures the picture asks for. Raises RendererFailed, RendererCrashed or RendererTimedOut."""
+    started = time.monotonic()
+    executable = shutil.which(EXECUTABLE)
+    if executable is None:
+        raise RendererFailed(f"no program '{EXECUTABLE}' on PATH")
+    for name in program.files:
+        # POV-Ray may read and write below its working directory, wherever the run's folder is (Q26)
+        shutil.copyfile(program_dir / name, workdir / name)
+    plan = Plan(knobs.exposures, knobs.relative_precision, knobs.darkest, program.data["ceiling"])
+    done: list[Exposure] = []
+    while wave := [Exposure(scale, f"exposure-{len(done) + i}.png") for i, scale in enumerate(plan.next_wave())]:
+        _run_all(executable, wave, workdir, started + limits.timeout_s)
+        for exposure in wave:
+            plan.looked[exposure.full_scale] = read_codes(workdir / exposure.name, program.data["width"], program.data["height"])
+        done += wave
+    merged = plan.chosen()
+    chosen = [exposure for exposure in done if exposure.full_scale in merged]
+    return RawRender(
+        files={exposure.name: workdir / exposure.name for exposure in chosen},
+        seconds={"render": time.monotonic() - started},
+        program_files={"command.txt": _commands(chosen).encode()},
+        data={"full_scales": {exposure.name: exposure.full_scale for exposure in chosen}, "rendered": len(done)},
+        environment={"threads": str(knobs.threads)},
+    )
+
+
+def _commands(exposures: Sequence[Exposure]) -> str:
+    lines = ["# run here; each image is radiance × Exposure, linear; merged per band: the brightest that is not clipped"]
+    lines += [f"POVINI={SETTINGS_FILE} {EXECUTABLE} {' '.join(exposure.arguments)}" for exposure in exposures]
+    return "\n".join(lines) + "\n"
+
+
+def _run_all(executable: str, wave: Sequence[Exposure], workdir: Path, deadline: float) -> None:
+    """Run a wave side by side; whatever happens, no process outlives the call."""
+    running: dict[Exposure, subprocess.Popen[bytes]] = {}
+    with ExitStack() as stack:
+        for exposure in wave:
+            process = stack.enter_context(_start(executable, exposure, workdir))
+            stack.callback(process.kill)
+            running[exposure] = process
+        while any(process.poll() is None for process in running.values()):
+            if time.monotonic() > deadline:
+                raise RendererTimedOut(f"POV-Ray still ran at the limit; it last said: {_last_line(workdir, wave[0])}")
+            failed = [e for e, process in running.items() if process.poll() not in (None, 0)]
+            if failed:
+                break
+            time.sleep(POLL_S)
+        for exposure, process in running.items():
+            if process.poll() is not None:
+                _check(exposure, process.returncode, workdir)
+
+
+def _start(executable: str, exposure: Exposure, workdir: Path) -> subprocess.Popen[bytes]:
+    with open(_log(workdir, exposure), "wb") as log:
+        command = [executable, *exposure.arguments]
+        return subprocess.Popen(command, cwd=workdir, env=_environment(workdir), stdin=subprocess.DEVNULL, stdout=log, stderr=log)
+
+
+def _environment(workdir: Path) -> Mapping[str, str]:
+    """Nothing of the user's: neither povray.ini nor a stricter povray.conf, nor a language (Q23)."""
+    kept = {key: value for key, value in os.environ.items() if key in ("PATH", "LD_LIBRARY_PATH", "TMPDIR")}
+    return {**kept, "HOME": str(workdir), "LC_ALL": "C", "POVINI": SETTINGS_FILE}
+
+
+def _log(workdir: Path, exposure: Exposure) -> Path:
+    return workdir / f"{exposure.name}.log"
+
+
+def _check(exposure: Exposure, status: int, workdir: Path) -> None:
+    if status < 0:
+        raise RendererCrashed(f"POV-Ray was ended by signal {-status}; it last said: {_last_line(workdir, exposure)}", -status)
+    if status > 0:
+        said = _log(workdir, exposure).read_text(errors="replace")
+        raise RendererFailed(f"POV-Ray ended with status {status}: {complaint(said)}")
+
+
+def _last_line(workdir: Path, exposure: Exposure) -> str:
+    lines = _log(workdir, exposure).read_text(errors="replace").split("\n")
+    return next((line.strip() for line in reversed(lines) if line.strip()), "nothing")
+
+
+def complaint(log: str) -> str:
+    """What POV-Ray complained of, without banner and statistics: the lines around the first error; else its last lines."""
+    lines = [line.rstrip() for line in log.splitlines() if line.strip() and "user configuration file" not in line]
+    first = next((i for i, line in enumerate(lines) if "error" in line.lower() or "problem" in line.lower()), None)
+    if first is None:
+        return "\n".join(lines[-TAIL_LINES:]) or "it said nothing"
+    return "\n".join(lines[max(0, first - 3) : first + TAIL_LINES - 3])
+
