@@ -55,7 +55,7 @@ class Plan:
         if not self.looked:
             return self._first_wave()
         if not self._unclipped():
-            return [_float32(max(self.looked) * self._ratio)]
+            return [_expressible(max(self.looked) * self._ratio)]
         return self._missing()
 
     def chosen(self) -> dict[float, Codes]:
@@ -69,7 +69,7 @@ class Plan:
         return max(2.0, MARGIN * self.relative_precision / HALF_STEP)
 
     def _rung(self, k: int) -> float:
-        return _float32(self.darkest * self._ratio ** (k + 1))
+        return _expressible(self.darkest * self._ratio ** (k + 1))
 
     def _first_wave(self) -> list[float]:
         if self.limit == 1:
@@ -77,7 +77,7 @@ class Plan:
             return [1.0]
         if self.ceiling <= self._rung(-1):
             # darker altogether than what the ladder is made for
-            return [_float32(max(self.ceiling * 1.001, 1e-30))]
+            return [_expressible(max(self.ceiling * 1.001, 1e-30))]
         top = next(k for k in range(100) if self._rung(k) >= self.ceiling)
         return [self._rung(k) for k in range(min(top + 1, SPECULATION, self.limit))]
 
@@ -99,6 +99,11 @@ class Plan:
         return sorted(wanted, reverse=True)[: max(0, self.limit - len(chosen))]
 
 
-def _float32(value: float) -> float:
-    """The float32 nearest to `value`: it survives POV-Ray's command line unchanged (Q24)."""
-    return float(np.float32(value))
+def factor(full_scale: float) -> str:
+    """What radiance is multiplied by: 1 / full_scale in four digits; POV-Ray's command line keeps no more than six (Q24)."""
+    return f"{1.0 / full_scale:.4g}"
+
+
+def _expressible(full_scale: float) -> float:
+    """The full scale near `full_scale` whose factor is exactly what is written."""
+    return 1.0 / float(factor(full_scale))

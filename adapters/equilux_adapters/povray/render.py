@@ -13,7 +13,7 @@ from pathlib import Path
 
 from equilux.adapter import Limits, Program, RawRender, RendererCrashed, RendererFailed, RendererTimedOut
 
-from equilux_adapters.povray.exposures import Plan
+from equilux_adapters.povray.exposures import Plan, factor
 from equilux_adapters.povray.knobs import PovrayKnobs
 from equilux_adapters.povray.png import read_codes
 from equilux_adapters.povray.translate import SETTINGS_FILE
@@ -32,7 +32,7 @@ class Exposure:
 
     @property
     def arguments(self) -> list[str]:
-        return [f"Output_File_Name={self.name}", f"Declare=Exposure={1.0 / self.full_scale!r}"]
+        return [f"Output_File_Name={self.name}", f"Declare=Exposure={factor(self.full_scale)}"]
 
 
 def render(program: Program, program_dir: Path, workdir: Path, limits: Limits, knobs: PovrayKnobs) -> RawRender:
