@@ -1,8 +1,8 @@
 """The public adapter protocol: all that a renderer's plug-in is, and all that it may rely on.
 
-An adapter is any object with the attributes of `Adapter`, registered in the entry-point group `equilux.adapters`. The engine calls
-`translate`, `render` and `read` in a worker process of its own (its own process group), so that a hang, a crash or garbage is charged
-to one case and never to the run.
+An adapter is any object with the attributes of `Adapter`, registered in the entry-point group `equilux.adapters`. The engine
+calls `translate`, `render` and `read` in a worker process of its own (its own process group), so that a hang, a crash or garbage
+is charged to one case and never to the run.
 """
 
 from __future__ import annotations
@@ -14,18 +14,35 @@ from typing import Any, ClassVar, Literal, Protocol, runtime_checkable
 
 import numpy as np
 import numpy.typing as npt
+from equilux_scenes.case import Case
 from pydantic import BaseModel, ConfigDict
 
 from equilux.budget import Bound, Budget, Geometric, Sampled
-from equilux_scenes.case import Case
 
 API_VERSION = 1
 
 Image = npt.NDArray[np.floating]
 
 __all__ = [
-    "API_VERSION", "Adapter", "Bound", "Budget", "Capability", "Case", "Geometric", "Image", "Knobs", "Limits", "Probe", "Program",
-    "RawRender", "Reading", "RendererCrashed", "RendererFailed", "RendererTimedOut", "Sampled", "Unsupported",
+    "API_VERSION",
+    "Adapter",
+    "Bound",
+    "Budget",
+    "Capability",
+    "Case",
+    "Geometric",
+    "Image",
+    "Knobs",
+    "Limits",
+    "Probe",
+    "Program",
+    "RawRender",
+    "Reading",
+    "RendererCrashed",
+    "RendererFailed",
+    "RendererTimedOut",
+    "Sampled",
+    "Unsupported",
 ]
 
 
@@ -126,7 +143,8 @@ class RendererTimedOut(RendererFailed):
 
 @runtime_checkable
 class Adapter(Protocol):
-    """One renderer. Instances are stateless as far as the engine can tell; long-lived renderer state belongs to the worker process."""
+    """One renderer. Instances are stateless as far as the engine can tell; long-lived renderer state belongs to the worker
+    process."""
 
     name: str
     api_version: int
@@ -134,7 +152,8 @@ class Adapter(Protocol):
     workers_per_core: ClassVar[float]
     """How many renders to run at once per core: 1 for a renderer that computes, more for one that mostly waits."""
     lack_causes: ClassVar[Mapping[str, str]]
-    """Feature → cause id: what it looks like when this renderer renders without the feature (`occlusion` → `occlusion-ignored`)."""
+    """Feature → cause id: what it looks like when this renderer renders without the feature (`occlusion` →
+    `occlusion-ignored`)."""
 
     def version(self) -> str:
         """The renderer's version and build. Cheap: package metadata, no import."""

@@ -1,4 +1,5 @@
-"""A budget on disk: one `.npz` holding the terms as JSON and every per-pixel field as an array. No pickle: a renderer's worker wrote it."""
+"""A budget on disk: one `.npz` holding the terms as JSON and every per-pixel field as an array. No pickle: a renderer's worker
+wrote it."""
 
 from __future__ import annotations
 
@@ -32,7 +33,7 @@ def to_bytes(budget: Budget) -> bytes:
     terms = [_term_out(term, index, arrays) for index, term in enumerate(budget.terms)]
     arrays[TERMS] = np.frombuffer(json.dumps(terms, sort_keys=True, allow_nan=False).encode(), dtype=np.uint8)
     buffer = io.BytesIO()
-    np.savez(buffer, allow_pickle=False, **arrays)  # type: ignore[arg-type]
+    np.savez(buffer, allow_pickle=False, **arrays)
     return buffer.getvalue()
 
 
@@ -54,7 +55,9 @@ def digest(budget: Budget) -> str:
         term.pop("reason")
     sha = hashlib.sha256(json.dumps(terms, sort_keys=True).encode())
     for key in sorted(arrays):
-        sha.update(key.encode() + str((arrays[key].dtype, arrays[key].shape)).encode() + np.ascontiguousarray(arrays[key]).tobytes())
+        sha.update(
+            key.encode() + str((arrays[key].dtype, arrays[key].shape)).encode() + np.ascontiguousarray(arrays[key]).tobytes()
+        )
     return sha.hexdigest()
 
 
@@ -68,13 +71,15 @@ def check(budget: object, shape: tuple[int, int, int]) -> Budget:
             _check_number(term.name, "rel", term.rel)
         elif isinstance(term, Geometric):
             for what, value in (("normal", term.normal), ("position_m", term.position_m)):
-                for number in (value.values() if hasattr(value, "values") else [value]):
+                for number in value.values() if hasattr(value, "values") else [value]:
                     _check_number(term.name, what, number)
             _check_number(term.name, "film_px", term.film_px)
         elif isinstance(term, Sampled):
             _check_field(term.name, "sigma", term.sigma, shape)
             if not isinstance(term.repeats, int) or term.repeats < 1:
-                raise MalformedBudget(f"budget term '{term.name}': repeats is {term.repeats!r}, expected an integer of at least 1")
+                raise MalformedBudget(
+                    f"budget term '{term.name}': repeats is {term.repeats!r}, expected an integer of at least 1"
+                )
         else:
             raise MalformedBudget(f"the budget holds a {type(term).__name__}, expected Bound, Geometric or Sampled")
     return budget
@@ -90,7 +95,9 @@ def _check_field(term: str, what: str, value: Any, shape: tuple[int, int, int]) 
     if not isinstance(value, np.ndarray):
         _check_number(term, what, value)
     elif value.shape != shape or not np.issubdtype(value.dtype, np.floating):
-        raise MalformedBudget(f"budget term '{term}': {what} is {value.dtype} of shape {value.shape}, expected floats of shape {shape}")
+        raise MalformedBudget(
+            f"budget term '{term}': {what} is {value.dtype} of shape {value.shape}, expected floats of shape {shape}"
+        )
     elif not bool(np.isfinite(value).all()) or float(value.min(initial=0.0)) < 0:
         raise MalformedBudget(f"budget term '{term}': {what} holds values that are not finite or below 0")
 
@@ -109,7 +116,11 @@ def _term_out(term: Term, index: int, arrays: dict[str, npt.NDArray[Any]]) -> di
     if isinstance(term, Bound):
         return common | {"abs": field("abs", term.abs), "rel": float(term.rel)}
     if isinstance(term, Geometric):
-        return common | {"normal": per_object(term.normal), "position_m": per_object(term.position_m), "film_px": float(term.film_px)}
+        return common | {
+            "normal": per_object(term.normal),
+            "position_m": per_object(term.position_m),
+            "film_px": float(term.film_px),
+        }
     return common | {"sigma": field("sigma", np.asarray(term.sigma)), "repeats": term.repeats}
 
 

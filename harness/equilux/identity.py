@@ -12,7 +12,14 @@ from equilux.reuse import code_fingerprint, key
 
 SHARED_CODE = ("equilux_scenes", "equilux.adapter", "equilux.budget", "equilux.budget_file", "equilux.worker")
 """Code of ours that has a part in every render."""
-COMPARING_CODE = ("equilux.compare", "equilux.edges", "equilux.uncertainty", "equilux.planes", "equilux._compare", "equilux_tracer")
+COMPARING_CODE = (
+    "equilux.compare",
+    "equilux.edges",
+    "equilux.uncertainty",
+    "equilux.planes",
+    "equilux._compare",
+    "equilux_tracer",
+)
 """Code of ours that has a part in every comparison."""
 
 _digests: WeakKeyDictionary[Case, str] = WeakKeyDictionary()
@@ -27,8 +34,13 @@ def case_digest(case: Case) -> str:
 
 def adapter_identity(entry: Entry, knobs: Knobs | None) -> dict[str, Any]:
     """Version, knobs and code of an adapter as it is installed here."""
-    return {"version": entry.version, "distribution": f"{entry.distribution} {entry.distribution_version}",
-            "knobs": knobs.model_dump(mode="json") if knobs is not None else {}, "code": adapter_code(entry), "found": entry.probe.found}
+    return {
+        "version": entry.version,
+        "distribution": f"{entry.distribution} {entry.distribution_version}",
+        "knobs": knobs.model_dump(mode="json") if knobs is not None else {},
+        "code": adapter_code(entry),
+        "found": entry.probe.found,
+    }
 
 
 def adapter_code(entry: Entry) -> str:
@@ -41,8 +53,14 @@ def render_key(case: Case, identity: dict[str, Any], adapter: str) -> str | None
     """Key of a render; None for one that must not be reused, because the renderer's version is not known."""
     if str(identity["version"]).startswith("unknown"):
         return None
-    return key(what="render", protocol=API_VERSION, case=case_digest(case), adapter=adapter, identity=identity,
-               shared=code_fingerprint(*SHARED_CODE))
+    return key(
+        what="render",
+        protocol=API_VERSION,
+        case=case_digest(case),
+        adapter=adapter,
+        identity=identity,
+        shared=code_fingerprint(*SHARED_CODE),
+    )
 
 
 def comparer_identity() -> str:

@@ -42,7 +42,10 @@ def _place(setting: str, models: Mapping[str, type[Knobs]], wanted: dict[str, di
         return
     adapter, dot, knob = path.rpartition(".")
     if dot and adapter not in models:
-        wrong.append(f"--set: '{adapter}' of '{setting}' is not among the adapters of this run ({', '.join(models)}){nearest(adapter, models)}")
+        wrong.append(
+            f"--set: '{adapter}' of '{setting}' is not among the adapters of this run ({', '.join(models)})"
+            f"{nearest(adapter, models)}"
+        )
         return
     havers = [name for name in ([adapter] if dot else models) if knob in models[name].model_fields]
     if not havers:

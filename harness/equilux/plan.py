@@ -42,8 +42,10 @@ class Plan:
         """What must agree for an existing results tree to be continued: scenes, adapters, versions, knobs."""
         from equilux.identity import adapter_identity, case_digest
 
-        return {"cases": {case.name: case_digest(case) for case in self.cases},
-                "adapters": {entry.name: adapter_identity(entry, self.knobs.get(entry.name)) for entry in self.entries}}
+        return {
+            "cases": {case.name: case_digest(case) for case in self.cases},
+            "adapters": {entry.name: adapter_identity(entry, self.knobs.get(entry.name)) for entry in self.entries},
+        }
 
 
 @dataclass(frozen=True)
@@ -81,16 +83,21 @@ def filter_cases(cases: Iterable[Case], pattern: str | None) -> tuple[Case, ...]
     if not matching and cases:
         names = [case.name for case in cases]
         shown = ", ".join(names[:5]) + (f" and {len(names) - 5} more" if len(names) > 5 else "")
-        raise BadUsage(f"--case-filter: '{pattern}' matches none of the {len(names)} cases ({shown}); '*' and '?' are wild, "
-                       "the whole name must match")
+        raise BadUsage(
+            f"--case-filter: '{pattern}' matches none of the {len(names)} cases ({shown}); '*' and '?' are wild, "
+            "the whole name must match"
+        )
     return matching
 
 
 def make_plan(cases: Sequence[Case], selection: Selection, knobs: Mapping[str, Knobs], *, as_is: bool = False) -> Plan:
     """Decide for every case and adapter. Probes each adapter once."""
     capabilities: dict[str, Mapping[str, Capability] | str] = {entry.name: _capabilities(entry) for entry in selection.entries}
-    renders = tuple(_planned(case, entry, capabilities[entry.name], as_is=as_is, named=entry.name in selection.named)
-                    for case in cases for entry in selection.entries)
+    renders = tuple(
+        _planned(case, entry, capabilities[entry.name], as_is=as_is, named=entry.name in selection.named)
+        for case in cases
+        for entry in selection.entries
+    )
     return Plan(tuple(cases), selection.entries, renders, knobs, selection.named, selection.added)
 
 
@@ -102,7 +109,9 @@ def _capabilities(entry: Entry) -> Mapping[str, Capability] | str:
         return f"capabilities() raised {last_line(problem)}"
 
 
-def _planned(case: Case, entry: Entry, capabilities: Mapping[str, Capability] | str, *, as_is: bool, named: bool) -> PlannedRender:
+def _planned(
+    case: Case, entry: Entry, capabilities: Mapping[str, Capability] | str, *, as_is: bool, named: bool
+) -> PlannedRender:
     if entry.adapter is None:
         return PlannedRender(case, entry.name, "failed", entry.error)
     if isinstance(capabilities, str):
@@ -112,8 +121,10 @@ def _planned(case: Case, entry: Entry, capabilities: Mapping[str, Capability] | 
     lacking = [feature for feature in case.requires if feature not in capabilities or capabilities[feature].level == "none"]
     unexcused = [feature for feature in lacking if not _excused(feature, entry, case, as_is=as_is)]
     if unexcused:
-        notes = [f"{feature} ({capabilities[feature].note})" if feature in capabilities and capabilities[feature].note else feature
-                 for feature in unexcused]
+        notes = [
+            f"{feature} ({capabilities[feature].note})" if feature in capabilities and capabilities[feature].note else feature
+            for feature in unexcused
+        ]
         return PlannedRender(case, entry.name, "unsupported", f"cannot express {', '.join(notes)}", tuple(unexcused))
     return PlannedRender(case, entry.name, RUN)
 

@@ -1,8 +1,8 @@
 """Running many jobs in workers: who goes next, which worker takes it, and what happens when it dies.
 
-`capacity` cores are shared. A running job counts 1/workers_per_core of its adapter, and another is started as long as the cores are not
-all taken; so a renderer that mostly sleeps runs many times over, and one that computes runs once per core. Among the adapters that have
-work left, the one that holds the least goes next.
+`capacity` cores are shared. A running job counts 1/workers_per_core of its adapter, and another is started as long as the cores
+are not all taken; so a renderer that mostly sleeps runs many times over, and one that computes runs once per core. Among the
+adapters that have work left, the one that holds the least goes next.
 """
 
 from __future__ import annotations

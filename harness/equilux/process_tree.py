@@ -1,11 +1,12 @@
 """Everything a worker has started: how much memory it holds, and how it is ended.
 
-A worker leads its own session and adopts orphans, so its tree is its descendants; members that moved to a session of their own are
-found by descent, members orphaned by the worker's own death by its process group and by having been seen before.
+A worker leads its own session and adopts orphans, so its tree is its descendants; members that moved to a session of their own
+are found by descent, members orphaned by the worker's own death by its process group and by having been seen before.
 """
 
 from __future__ import annotations
 
+import contextlib
 import os
 import signal
 import threading
@@ -30,10 +31,8 @@ class Tree:
     def kill(self) -> None:
         """SIGKILL to all of them: the group at once, then whoever is outside it."""
         outsiders = {process.pid: process for process in descendants(self.root)} | self.members
-        try:
+        with contextlib.suppress(ProcessLookupError, PermissionError):  # the group is already gone; outsiders may not be
             os.killpg(self.root, signal.SIGKILL)
-        except (ProcessLookupError, PermissionError):
-            pass  # the group is already gone; outsiders may not be
         for process in outsiders.values():
             try:
                 process.kill()  # psutil checks the start time: a recycled pid is left alone
@@ -43,7 +42,8 @@ class Tree:
 
 def descendants(pid: int) -> list[psutil.Process]:
     try:
-        return psutil.Process(pid).children(recursive=True)
+        found: list[psutil.Process] = psutil.Process(pid).children(recursive=True)
+        return found
     except psutil.NoSuchProcess:
         return []
 

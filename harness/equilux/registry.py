@@ -1,7 +1,7 @@
 """Finding adapters: the entry-point group `equilux.adapters`, loaded lazily, every failure kept as data.
 
-An adapter that cannot be used is not hidden: its entry carries the reason, `equilux adapters list` shows it, and a run that uses it
-records `failed`. Only two distributions claiming one name stops everything, because then a name means nothing.
+An adapter that cannot be used is not hidden: its entry carries the reason, `equilux adapters list` shows it, and a run that uses
+it records `failed`. Only two distributions claiming one name stops everything, because then a name means nothing.
 """
 
 from __future__ import annotations
@@ -108,20 +108,26 @@ def complaints(candidate: object, name: str) -> list[str]:
         return [f"it is the class {candidate.__name__}; register an instance of it"]
     missing = [attribute for attribute in (*ATTRIBUTES, *METHODS) if not hasattr(candidate, attribute)]
     wrong = [f"missing {', '.join(missing)}"] if missing else []
-    wrong += [f"{method} is not callable" for method in METHODS if method not in missing and not callable(getattr(candidate, method))]
+    wrong += [
+        f"{method} is not callable" for method in METHODS if method not in missing and not callable(getattr(candidate, method))
+    ]
     if "api_version" not in missing and (got := getattr(candidate, "api_version")) != API_VERSION:  # noqa: B009
         wrong.append(f"api_version is {got!r}, this equilux speaks {API_VERSION}")
     if "name" not in missing and (got := getattr(candidate, "name")) != name:  # noqa: B009
         wrong.append(f"its name is {got!r}, it is registered as {name!r}")
     if NAME_PATTERN.fullmatch(name) is None:
         wrong.append(f"the name {name!r} is not made of lower-case letters and digits joined by single '-', '_' or '.'")
-    if "Knobs" not in missing and not (isinstance(knobs := getattr(candidate, "Knobs"), type) and issubclass(knobs, Knobs)):  # noqa: B009
+    if "Knobs" not in missing and not _is_knobs_model(getattr(candidate, "Knobs")):  # noqa: B009
         wrong.append("Knobs is not a subclass of equilux.adapter.Knobs")
     if "workers_per_core" not in missing:
         share = getattr(candidate, "workers_per_core")  # noqa: B009
         if not isinstance(share, int | float) or not 0 < share < 1000:
             wrong.append(f"workers_per_core is {share!r}, expected a number above 0 and below 1000")
     return wrong
+
+
+def _is_knobs_model(candidate: object) -> bool:
+    return isinstance(candidate, type) and issubclass(candidate, Knobs)
 
 
 class Registry:
@@ -131,8 +137,10 @@ class Registry:
         self.entries: dict[str, Entry] = {}
         for entry in sorted(entries, key=lambda entry: entry.name):
             if (other := self.entries.get(entry.name)) is not None:
-                raise BadUsage(f"two distributions register the adapter '{entry.name}': {other.distribution} "
-                               f"({other.entry_point.value}) and {entry.distribution} ({entry.entry_point.value}); uninstall one of them")
+                raise BadUsage(
+                    f"two distributions register the adapter '{entry.name}': {other.distribution} "
+                    f"({other.entry_point.value}) and {entry.distribution} ({entry.entry_point.value}); uninstall one of them"
+                )
             self.entries[entry.name] = entry
 
     @classmethod
@@ -148,8 +156,10 @@ class Registry:
         """The entries of these names, in this order. Raises BadUsage naming what is unknown, what is known and the nearest."""
         unknown = [name for name in names if name not in self.entries]
         if unknown:
-            raise BadUsage(f"--adapters: unknown adapter '{unknown[0]}'; installed are {', '.join(self.names) or 'none'}"
-                           f"{nearest(unknown[0], self.names)}")
+            raise BadUsage(
+                f"--adapters: unknown adapter '{unknown[0]}'; installed are {', '.join(self.names) or 'none'}"
+                f"{nearest(unknown[0], self.names)}"
+            )
         return [self.entries[name] for name in dict.fromkeys(names)]
 
 

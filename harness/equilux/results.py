@@ -10,7 +10,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
-SCHEMA = "equilux/results/1"
+SCHEMA: Literal["equilux/results/1"] = "equilux/results/1"
 
 Status = Literal["ok", "unsupported", "missing", "timeout", "crashed", "failed", "invalid"]
 STATUSES: tuple[Status, ...] = ("ok", "unsupported", "missing", "timeout", "crashed", "failed", "invalid")
@@ -166,8 +166,11 @@ class Results(Record):
 
 
 def json_schema() -> dict[str, Any]:
-    return {"$schema": "https://json-schema.org/draft/2020-12/schema", "title": SCHEMA,
-            **{key: value for key, value in Results.model_json_schema(by_alias=True, mode="serialization").items() if key != "title"}}
+    return {
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        "title": SCHEMA,
+        **{key: value for key, value in Results.model_json_schema(by_alias=True, mode="serialization").items() if key != "title"},
+    }
 
 
 def summarise(cases: list[CaseRecord], exit_code: int) -> Summary:
@@ -178,8 +181,14 @@ def summarise(cases: list[CaseRecord], exit_code: int) -> Summary:
             setattr(pairs, pair.judged, getattr(pairs, pair.judged) + 1)
         for render in case.renders.values():
             setattr(renders, render.status, getattr(renders, render.status) + 1)
-    return Summary(cases=len(cases), pairs=pairs, renders=renders, expectations_used=sum(len(case.expect) for case in cases),
-                   reused=sum(render.reused for case in cases for render in case.renders.values()), exit_code=exit_code)
+    return Summary(
+        cases=len(cases),
+        pairs=pairs,
+        renders=renders,
+        expectations_used=sum(len(case.expect) for case in cases),
+        reused=sum(render.reused for case in cases for render in case.renders.values()),
+        exit_code=exit_code,
+    )
 
 
 if __name__ == "__main__":

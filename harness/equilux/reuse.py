@@ -78,8 +78,11 @@ class Store:
             return
         try:
             fill(temporary)
-            files = {path.relative_to(temporary).as_posix(): hashlib.sha256(path.read_bytes()).hexdigest()
-                     for path in sorted(temporary.rglob("*")) if path.is_file()}
+            files = {
+                path.relative_to(temporary).as_posix(): hashlib.sha256(path.read_bytes()).hexdigest()
+                for path in sorted(temporary.rglob("*"))
+                if path.is_file()
+            }
             (temporary / ENTRY).write_text(json.dumps({"files": files}))
             os.rename(temporary, folder)
             self.written += 1
@@ -140,5 +143,9 @@ def _files_of(module: str) -> list[tuple[str, Path]]:
         return []
     if spec.submodule_search_locations is None:
         return [("", Path(spec.origin))] if spec.origin is not None and Path(spec.origin).is_file() else []
-    return [(path.relative_to(folder).as_posix(), path) for folder in map(Path, spec.submodule_search_locations)
-            for path in folder.rglob("*") if path.is_file() and "__pycache__" not in path.parts and path.suffix not in (".md", ".pyi")]
+    return [
+        (path.relative_to(folder).as_posix(), path)
+        for folder in map(Path, spec.submodule_search_locations)
+        for path in folder.rglob("*")
+        if path.is_file() and "__pycache__" not in path.parts and path.suffix not in (".md", ".pyi")
+    ]

@@ -59,9 +59,9 @@ class Tree:
     def open(cls, root: Path, identity: Mapping[str, Any], *, keep: bool = True) -> Tree:
         """Make the folder ready to be written.
 
-        An absent or empty folder is taken; a results tree of the same identity (scenes, adapters, versions, knobs) is continued when `keep`;
-        any other results tree is emptied of what is ours. Raises BadUsage, touching nothing, for a folder that holds anything else,
-        and for one that another run is writing.
+        An absent or empty folder is taken; a results tree of the same identity (scenes, adapters, versions, knobs) is continued
+        when `keep`; any other results tree is emptied of what is ours. Raises BadUsage, touching nothing, for a folder that
+        holds anything else, and for one that another run is writing.
         """
         check_usable(root)
         try:
@@ -137,7 +137,9 @@ def check_usable(root: Path) -> None:
     held = sorted(entry.name for entry in root.iterdir() if not entry.name.startswith(SCRATCH_PREFIX))
     if held and not is_results_tree(root):
         shown = ", ".join(f"'{name}'" for name in held[:3]) + (f" and {len(held) - 3} more" if len(held) > 3 else "")
-        raise BadUsage(f"--out: '{root}' holds {shown} and is no results tree; give an empty folder, a new one, or an earlier run's")
+        raise BadUsage(
+            f"--out: '{root}' holds {shown} and is no results tree; give an empty folder, a new one, or an earlier run's"
+        )
 
 
 def _lock(root: Path) -> int:

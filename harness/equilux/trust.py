@@ -1,7 +1,7 @@
 """Which render is believed over which: the order every pair, expectation and report goes by.
 
-The oracle is a closed form, the reference an independent double-precision evaluation of the lighting model; every other adapter is
-a laboratory under test. No other part of the engine knows an adapter by its name.
+The oracle is a closed form, the reference an independent double-precision evaluation of the lighting model; every other adapter
+is a laboratory under test. No other part of the engine knows an adapter by its name.
 """
 
 from __future__ import annotations

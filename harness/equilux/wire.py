@@ -1,7 +1,7 @@
 """Messages between the engine and a worker: four bytes of magic, four of length, then the payload; over private pipes.
 
-Requests (engine → worker) are pickles, because the engine trusts itself; replies (worker → engine) are JSON, because third-party code
-runs in there and may write anything anywhere.
+Requests (engine → worker) are pickles, because the engine trusts itself; replies (worker → engine) are JSON, because third-party
+code runs in there and may write anything anywhere.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ def send(fd: int, payload: bytes, deadline: float | None = None) -> None:
     while rest:
         _wait(fd, select.POLLOUT, deadline)
         try:
-            rest = rest[os.write(fd, rest[:65536]):]
+            rest = rest[os.write(fd, rest[:65536]) :]
         except BlockingIOError:
             continue
         except BrokenPipeError as problem:

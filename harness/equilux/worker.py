@@ -1,8 +1,8 @@
 """The process in which one adapter lives: `python -m equilux.worker NAME REQUEST_FD REPLY_FD`.
 
-It translates, renders and reads one case after another. Whatever the adapter does to it (prints, exceptions, `sys.exit`, death) stays
-here: stdout and stderr go to the job's log, messages go over two private pipes that the adapter's own children never inherit, and when
-the engine is gone the worker ends its whole process group.
+It translates, renders and reads one case after another. Whatever the adapter does to it (prints, exceptions, `sys.exit`, death)
+stays here: stdout and stderr go to the job's log, messages go over two private pipes that the adapter's own children never
+inherit, and when the engine is gone the worker ends its whole process group.
 """
 
 from __future__ import annotations
@@ -98,7 +98,10 @@ def _load(name: str, replies: int) -> Adapter | None:
     entry = Registry.discover().entries.get(name)
     if entry is not None and entry.adapter is not None:
         return entry.adapter
-    _reply(replies, {"unusable": entry.error if entry is not None else f"no adapter '{name}' is registered in the worker's environment"})
+    _reply(
+        replies,
+        {"unusable": entry.error if entry is not None else f"no adapter '{name}' is registered in the worker's environment"},
+    )
     return None
 
 
@@ -155,7 +158,10 @@ def _perform(adapter: Adapter, job: Job, outcome: Outcome) -> None:
     outcome.seconds["translate"] = time.perf_counter() - started
     _write_program(program_folder, program.files)
     if program.entry not in program.files:
-        raise BadDelivery(f"translate() names the entry {program.entry!r}, which is not among its files: {', '.join(map(str, program.files)) or 'none'}")
+        raise BadDelivery(
+            f"translate() names the entry {program.entry!r}, which is not among its files: "
+            f"{', '.join(map(str, program.files)) or 'none'}"
+        )
     outcome.program = describe_program(program_folder, program.entry)
 
     started = time.perf_counter()

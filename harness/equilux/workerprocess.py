@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import os
 import pickle
@@ -44,7 +45,12 @@ class WorkerProcess:
             with log.open("wb") as output:
                 self._process = subprocess.Popen(
                     [sys.executable, "-P", "-m", "equilux.worker", adapter, str(request_read), str(reply_write)],
-                    stdin=subprocess.DEVNULL, stdout=output, stderr=output, pass_fds=(request_read, reply_write), start_new_session=True)
+                    stdin=subprocess.DEVNULL,
+                    stdout=output,
+                    stderr=output,
+                    pass_fds=(request_read, reply_write),
+                    start_new_session=True,
+                )
         except OSError as problem:
             os.close(self._requests)
             os.close(self._replies)
@@ -69,11 +75,15 @@ class WorkerProcess:
             wire.send(self._requests, json.dumps(sys.path).encode(), deadline)
             answer = self._receive(deadline)
         except wire.TookTooLong as problem:
-            raise WorkerUnusable(f"the worker of '{self.adapter}' was not ready within {START_TIMEOUT_S:g} s{self._said()}") from problem
+            raise WorkerUnusable(
+                f"the worker of '{self.adapter}' was not ready within {START_TIMEOUT_S:g} s{self._said()}"
+            ) from problem
         except wire.Garbage as problem:
             raise WorkerUnusable(f"the worker of '{self.adapter}' sent garbage while starting: {problem}") from problem
         except wire.Closed as problem:
-            raise WorkerUnusable(f"the worker of '{self.adapter}' ended while starting ({self._ending()[1]}){self._said()}") from problem
+            raise WorkerUnusable(
+                f"the worker of '{self.adapter}' ended while starting ({self._ending()[1]}){self._said()}"
+            ) from problem
         if "ready" not in answer:
             raise WorkerUnusable(str(answer.get("unusable", f"the worker of '{self.adapter}' answered {answer!r}")))
         self._ready = True
@@ -99,7 +109,9 @@ class WorkerProcess:
             outcome = Outcome("failed", f"the worker wrote garbage instead of a reply: {problem}")
         except wire.Closed as problem:
             if not accepted and self._over is None:
-                raise WorkerUnusable(f"the worker of '{self.adapter}' died before it took a job ({self._ending()[1]}){self._said()}") from problem
+                raise WorkerUnusable(
+                    f"the worker of '{self.adapter}' died before it took a job ({self._ending()[1]}){self._said()}"
+                ) from problem
             outcome = self._died()
         finally:
             self._watch.remove(self.tree)
@@ -109,10 +121,8 @@ class WorkerProcess:
         """End the worker: politely when it is idle, then for good, with everything it started."""
         for fd in (self._requests, self._replies):
             os.close(fd)
-        try:
+        with contextlib.suppress(subprocess.TimeoutExpired):  # killed next
             self._process.wait(GRACE_S)
-        except subprocess.TimeoutExpired:
-            pass  # killed next
         self.kill()
         self._process.wait()
 
@@ -137,7 +147,10 @@ class WorkerProcess:
         return message
 
     def _exceeded(self, seen: int, limit: int) -> None:
-        self.kill(f"the memory limit: {seen / 2**20:.0f} MiB resident, the limit is {limit / 2**20:.0f} MiB; its process group was ended")
+        self.kill(
+            f"the memory limit: {seen / 2**20:.0f} MiB resident, the limit is {limit / 2**20:.0f} MiB; "
+            "its process group was ended"
+        )
 
     def _ending(self) -> tuple[int, str]:
         """Exit status of the ended worker, and the same in words."""

@@ -1,0 +1,185 @@
+"""`equilux run`: render scenes with every adapter, compare, judge, report."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+from cyclopts import Parameter
+
+from equilux.cli import inputs
+from equilux.complaint import BadUsage
+
+if TYPE_CHECKING:
+    from equilux.plan import Plan
+    from equilux.run import Finished
+
+Flag = Annotated[bool, Parameter(negative="")]
+
+
+def run(
+    *scenes: Path,
+    adapters: str | None = None,
+    out: Path = Path("equilux-out"),
+    jobs: int | None = None,
+    set_: Annotated[tuple[str, ...], Parameter(name="--set", negative="")] = (),
+    case_filter: str | None = None,
+    timeout: float = 120.0,
+    memory: float = 8192.0,
+    fail_fast: Flag = False,
+    plan: Flag = False,
+    reuse: Annotated[bool, Parameter(name="--reuse")] = True,
+    as_is: Flag = False,
+    html: bool = True,
+    flip: Flag = False,
+    limit: Annotated[tuple[str, ...], Parameter(name="--limit", negative="")] = (),
+    json: Flag = False,
+) -> int:
+    """Render scenes with every adapter, compare the pictures pixel by pixel, judge, report.
+
+    Exit code: 0 every expectation held; 1 an unexpected divergence, or a pinned one that is gone; 2 bad usage or a bad spec; 3 a
+    renderer failed; 4 nothing was scored; 130 interrupted.
+
+    Parameters
+    ----------
+    scenes
+        Scene files or folders of them; none: the shipped corpus.
+    adapters
+        Adapters to use, separated by commas; the reference and the oracle are added. None given: all that are installed.
+    out
+        Folder of the results tree. An earlier run's is continued where scenes, adapters, versions and knobs agree, else replaced.
+    jobs
+        How many cores to use; none: all.
+    set_
+        A knob, [ADAPTER.]KNOB=VALUE; may be given several times.
+    case_filter
+        Only the cases of this name; * and ? are wild.
+    timeout
+        Seconds that one render may take.
+    memory
+        MiB that one render may hold resident, with everything it started.
+    fail_fast
+        Stop at the first failure or unexpected divergence.
+    plan
+        Show what would run, and stop.
+    reuse
+        Take renders and statistics that were made before from the same inputs by the same code.
+    as_is
+        Render also with an adapter that lacks a feature of the scene, and judge what comes.
+    html
+        Build the HTML report.
+    flip
+        Compute HDR-FLIP too, a perceptual aid; slow.
+    limit
+        Raise a limit on specs, NAME=VALUE; may be given several times.
+    json
+        Print results.json (with --plan: the plan; on bad specs: the list of errors) to stdout.
+    """
+    inputs.above_zero("--timeout", timeout, "seconds")
+    inputs.above_zero("--memory", memory, "MiB")
+    if jobs is not None:
+        inputs.at_least_one("--jobs", jobs)
+    _check_flip(flip)
+    planned = _planned(scenes, inputs.split_names("--adapters", adapters), set_, case_filter, limit, as_is=as_is, as_json=json)
+    from equilux.tree import check_usable
+
+    check_usable(out)
+    if planned.added:
+        sys.stderr.write(f"added {' and '.join(planned.added)}: there is always a truth to judge against\n")
+    if plan:
+        return _show_plan(planned, as_json=json)
+    finished = _execute(planned, out, jobs, timeout, memory, reuse=reuse, fail_fast=fail_fast, flip=flip)
+    page = _report(out) if html else None
+    return _tell(finished, out, page, as_json=json)
+
+
+def _check_flip(flip: bool) -> None:
+    from importlib.util import find_spec
+
+    if flip and find_spec("flip_evaluator") is None:
+        raise BadUsage("--flip: HDR-FLIP needs the package flip-evaluator: install equilux[flip]")
+
+
+def _planned(
+    scenes: tuple[Path, ...], adapters: list[str] | None, settings: tuple[str, ...], case_filter: str | None, limit: tuple[str,
+    ...], *, as_is: bool, as_json: bool,
+) -> Plan:  # fmt: skip
+    from equilux import knobs, plan
+    from equilux.registry import Registry
+
+    loaded = inputs.load(scenes, limit, as_json=as_json)
+    selection = plan.select_adapters(Registry.discover(), adapters)
+    resolved = knobs.resolve(settings, selection.entries)
+    cases = plan.filter_cases((case for scene in loaded for case in scene.cases), case_filter)
+    return plan.make_plan(cases, selection, resolved, as_is=as_is)
+
+
+def _show_plan(plan: Plan, *, as_json: bool) -> int:
+    if as_json:
+        inputs.print_json(
+            [
+                {
+                    "case": render.case.name,
+                    "adapter": render.adapter,
+                    "action": render.action,
+                    "reason": render.reason,
+                    "missing_features": list(render.missing_features),
+                }
+                for render in plan.renders
+            ]
+        )
+        return 0
+    rows = [("case", "adapter", "action", "why")]
+    rows += [(render.case.name, render.adapter, render.action, render.reason or "") for render in plan.renders]
+    sys.stdout.write(inputs.table(rows))
+    running = sum(render.action == "run" for render in plan.renders)
+    sys.stdout.write(f"{len(plan.cases)} cases, {running} of {len(plan.renders)} renders would run\n")
+    return 0
+
+
+def _execute(
+    plan: Plan, out: Path, jobs: int | None, timeout: float, memory: float, *, reuse: bool, fail_fast: bool, flip: bool
+) -> Finished:
+    from equilux import progress
+    from equilux.adapter import Limits
+    from equilux.machine import available_cores
+    from equilux.reuse import Store, default_root
+    from equilux.run import Options, execute
+
+    store = Store(default_root()) if reuse else None
+    options = Options(
+        out=out,
+        jobs=jobs or available_cores(),
+        limits=Limits(timeout, int(memory * 2**20)),
+        reuse=reuse,
+        store=store,
+        fail_fast=fail_fast,
+        flip=flip,
+        command=("equilux", *sys.argv[1:]),
+    )
+    finished = execute(plan, options, progress.suitable())
+    if store is not None and store.written:
+        store.prune()
+    return finished
+
+
+def _report(out: Path) -> Path:
+    from equilux_report import build
+
+    return build(out)
+
+
+def _tell(finished: Finished, out: Path, page: Path | None, *, as_json: bool) -> int:
+    from equilux.cli.summary import summary
+
+    for error in finished.errors:
+        sys.stderr.write(f"{error}\n")
+    if as_json:
+        inputs.print_json(finished.results.model_dump(mode="json"))
+    else:
+        sys.stdout.write(summary(finished.results))
+        sys.stdout.write(f"results: {out / 'results.json'}\n")
+        if page is not None:
+            sys.stdout.write(f"report: {page}\n")
+    return finished.exit_code

@@ -1,0 +1,79 @@
+"""The table a run ends with: per adapter what came back, per judgement how many pairs, and whatever needs a look."""
+
+from __future__ import annotations
+
+from collections import Counter
+
+from equilux.cli.inputs import table
+from equilux.judge import FAILED
+from equilux.results import CaseRecord, PairRecord, Results
+from equilux.trust import trust_rank
+
+SHOWN = 20
+HEADER: tuple[str, ...] = (
+    "adapter", "version", "ok", "unsupported", "failed", "missing", "agree", "expected", "unexpected", "gone", "render s",
+)  # fmt: skip
+
+
+def summary(results: Results) -> str:
+    """The whole text, plain."""
+    parts = [_adapters(results), _look_at(results), _counts(results)]
+    if results.run.interrupted:
+        parts.append(f"interrupted ({results.run.interrupted}): only what was finished is in the results\n")
+    return "\n".join(part for part in parts if part)
+
+
+def _adapters(results: Results) -> str:
+    names = sorted({name for case in results.cases for name in case.renders}, key=trust_rank)
+    rows = [HEADER]
+    for name in sorted(names, key=trust_rank, reverse=True):
+        statuses = Counter(str(case.renders[name].status) for case in results.cases if name in case.renders)
+        judged = Counter(str(pair.judged) for case in results.cases for pair in case.pairs if name in (pair.a, pair.b))
+        spent = sum(case.renders[name].seconds.get("render", 0.0) for case in results.cases if name in case.renders)
+        counts = [
+            statuses["ok"], statuses["unsupported"], sum(statuses[status] for status in (*FAILED, "invalid")), statuses["missing"],
+            judged["agree"], judged["diverge_expected"], judged["diverge_unexpected"], judged["improved"],
+        ]  # fmt: skip
+        rows.append((name, results.run.adapters.get(name, ""), *map(str, counts), f"{spent:.1f}"))
+    return table(rows, right=frozenset(range(2, len(HEADER)))) if names else ""
+
+
+def _look_at(results: Results) -> str:
+    """Failures, unexpected divergences and expectations that no longer hold, one line each."""
+    lines = [
+        f"{case.case}: {name} {render.status}: {render.reason}"
+        for case in results.cases
+        for name, render in case.renders.items()
+        if render.status in FAILED
+    ]
+    lines += [
+        _pair_line(case, pair)
+        for case in results.cases
+        for pair in case.pairs
+        if pair.judged in ("diverge_unexpected", "improved")
+    ]
+    more = len(lines) - SHOWN
+    return "".join(f"{line}\n" for line in lines[:SHOWN]) + (f"… and {more} more: see results.json\n" if more > 0 else "")
+
+
+def _pair_line(case: CaseRecord, pair: PairRecord) -> str:
+    if pair.judged == "improved":
+        causes = ", ".join(used.cause for used in case.expect if used.adapter == pair.a)
+        return (
+            f"{case.case}: {pair.a} agrees with {pair.b}, but the scene expects it to diverge ({causes}): remove the expectation"
+        )
+    share = f"{pair.diverge} of {pair.pixels} pixels"
+    size = f", largest difference {pair.max_abs:.3g}" if pair.max_abs is not None else ""
+    place = f" at ({pair.worst.x}, {pair.worst.y})" if pair.worst is not None else ""
+    return f"{case.case}: {pair.a} diverges from {pair.b}: {share}{size}{place}"
+
+
+def _counts(results: Results) -> str:
+    pairs, renders = results.summary.pairs, results.summary.renders
+    total = sum(renders.model_dump().values())
+    reused = f", {results.summary.reused} reused" if results.summary.reused else ""
+    return (
+        f"{results.summary.cases} cases, {total} renders ({renders.ok} ok{reused}), pairs: {pairs.agree} agree, "
+        f"{pairs.diverge_expected} diverge as expected, {pairs.diverge_unexpected} unexpectedly, "
+        f"{pairs.improved} expected but gone, {pairs.not_comparable} not comparable; {results.run.seconds:.1f} s\n"
+    )

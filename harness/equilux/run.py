@@ -1,0 +1,350 @@
+"""The main job: carry out a plan, and write what came of it as a results tree."""
+
+from __future__ import annotations
+
+import shutil
+import signal
+import threading
+import time
+from collections import Counter
+from collections.abc import Iterator, Mapping
+from concurrent.futures import Future, ThreadPoolExecutor
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from datetime import UTC, datetime
+from pathlib import Path
+from types import FrameType
+from typing import Any
+
+from equilux_scenes.loader import corpus_folder
+
+from equilux import machine
+from equilux.adapter import Case, Limits
+from equilux.casework import CaseWork, Provenance
+from equilux.identity import render_key
+from equilux.job import Outcome
+from equilux.judge import FAILED, exit_code, judge_case
+from equilux.plan import RUN, Plan, PlannedRender
+from equilux.pool import Pool, Request
+from equilux.progress import Progress, Silent
+from equilux.results import (
+    CaseRecord,
+    ExpectationRecord,
+    PairRecord,
+    RenderRecord,
+    Results,
+    RunRecord,
+    StatedUncertainty,
+    summarise,
+)
+from equilux.reuse import Store
+from equilux.tree import RUN_SCHEMA, Tree, write_json
+
+INTERRUPTED = 130
+
+
+@dataclass(frozen=True)
+class Options:
+    """How to carry out a plan. `jobs`: cores to use. `command`: what the user typed, for the record."""
+
+    out: Path
+    jobs: int = field(default_factory=machine.available_cores)
+    limits: Limits = field(default_factory=Limits)
+    reuse: bool = True
+    store: Store | None = None
+    fail_fast: bool = False
+    flip: bool = False
+    command: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Finished:
+    """A run that ended. `errors`: faults of the engine itself."""
+
+    results: Results
+    exit_code: int
+    errors: tuple[str, ...] = ()
+
+
+def execute(plan: Plan, options: Options, progress: Progress | None = None) -> Finished:
+    """Run what is planned. Raises BadUsage for a folder that cannot be used; every other fault is a status in the results."""
+    progress = progress or Silent()
+    identity = plan.identity()
+    with Tree.open(options.out, identity, keep=options.reuse) as tree:
+        run = _Run(plan, options, progress, tree, identity)
+        run.write_manifest(None)
+        with run.stopping_on_signals():
+            run.carry_out()
+        return run.finish()
+
+
+class _Run:
+    """One run in progress."""
+
+    def __init__(self, plan: Plan, options: Options, progress: Progress, tree: Tree, identity: Mapping[str, Any]) -> None:
+        self._plan, self._options, self._progress, self._tree, self._identity = plan, options, progress, tree, identity
+        self._store = options.store if options.reuse else None
+        self._work = {case.name: CaseWork(case, tree, self._store, options.flip) for case in plan.cases}
+        self._left = Counter(render.case.name for render in plan.renders)
+        self._knobs = {name: knobs.model_dump(mode="json") for name, knobs in plan.knobs.items()}
+        self._versions = {entry.name: entry.version for entry in plan.entries}
+        self._keys = dict(identity["adapters"])
+        self._started = (datetime.now(UTC), time.monotonic())
+        self._lock = threading.Lock()
+        self._pool: Pool | None = None
+        self._stopped_by: str | None = None
+
+    # --- carrying out -------------------------------------------------------------------------------------------------
+
+    def carry_out(self) -> None:
+        """Everything that needs no renderer first, then the renders, with comparison running beside them."""
+        self._progress.begin(len(self._plan.renders), len(self._plan.cases))
+        workers = ThreadPoolExecutor(max(2, self._options.jobs), thread_name_prefix="equilux-compare")
+        try:
+            pending = [workers.submit(self._without_rendering, planned) for planned in self._plan.renders]
+            to_render = [planned for planned, future in zip(self._plan.renders, pending, strict=True) if not _result(future)]
+            if to_render and self._stopped_by is None:
+                self._render(to_render, workers)
+        finally:
+            workers.shutdown(wait=True)
+            self._progress.end()
+
+    def _without_rendering(self, planned: PlannedRender) -> bool:
+        """Settle a render that need not be run: refused, kept from an earlier run, or in the store. False when it must be run."""
+        work, who = self._work[planned.case.name], self._provenance(planned)
+        if planned.action != RUN:
+            work.refuse(who, planned.action, planned.reason, planned.missing_features)
+            self._done(planned.case, planned.adapter, planned.action, planned.reason)
+            return True
+        if self._stopped_by is not None or not self._options.reuse:
+            return False
+        if (self._tree.continued and work.settle_earlier(who)) or work.settle_from_store(who):
+            self._done(planned.case, planned.adapter, work.records[planned.adapter]["status"], None)
+            return True
+        return False
+
+    def _render(self, planned: list[PlannedRender], workers: ThreadPoolExecutor) -> None:
+        wanted = {render.adapter for render in planned}
+        shares = {
+            entry.name: float(entry.adapter.workers_per_core)
+            for entry in self._plan.entries
+            if entry.name in wanted and entry.adapter is not None
+        }
+        requests = [Request(render.case, render.adapter, self._knobs[render.adapter], self._options.limits) for render in planned]
+        settling: list[Future[None]] = []
+        with Pool(self._options.jobs, shares, self._tree.scratch) as pool:
+            self._pool = pool
+            if self._stopped_by is None:
+                pool.run(
+                    requests,
+                    lambda request, outcome, folder: settling.append(workers.submit(self._settle, request, outcome, folder)),
+                )
+        for future in settling:
+            future.result()
+
+    def _settle(self, request: Request, outcome: Outcome, folder: Path) -> None:
+        who = self._provenance(request)
+        work = self._work[request.case.name]
+        try:
+            status = work.settle(who, outcome, folder, compare_too=self._stopped_by is None)
+        except OSError as problem:  # a full disk must not pass for a finished render
+            status = "failed"
+            work.errors.append(f"{request.case.name} {request.adapter}: its results cannot be written: {problem}")
+            shutil.rmtree(folder, ignore_errors=True)
+        self._done(request.case, request.adapter, status, (work.records.get(request.adapter) or {}).get("reason"))
+
+    def _provenance(self, render: PlannedRender | Request) -> Provenance:
+        name = render.adapter
+        return Provenance(name, self._versions[name], self._knobs.get(name, {}), render_key(render.case, self._keys[name], name))
+
+    def _done(self, case: Case, adapter: str, status: str, reason: str | None) -> None:
+        """Count a render as done; tell the user; decide whether to go on."""
+        with self._lock:
+            self._left[case.name] -= 1
+            complete = self._left[case.name] == 0
+        self._progress.render_done(case.name, adapter, status)
+        if status in (*FAILED, "invalid"):
+            self._progress.note(f"{case.name}: {adapter} {status}: {reason or ''}".rstrip(": "))
+        work = self._work[case.name]
+        if complete:
+            judged = self._judged(work)
+            self._progress.case_done(_case_line(work, judged))
+            work.forget_pictures()
+            if self._options.fail_fast and any(pair.judged in ("diverge_unexpected", "improved") for pair in judged.pairs):
+                self._stop("--fail-fast: " + case.name)
+        if self._options.fail_fast and (status in FAILED or (status == "missing" and adapter in self._plan.named)):
+            self._stop(f"--fail-fast: {case.name}: {adapter} {status}")
+
+    # --- stopping -----------------------------------------------------------------------------------------------------
+
+    def _stop(self, why: str) -> None:
+        """Start nothing more, end what runs, keep what is finished."""
+        self._stopped_by = self._stopped_by or why
+        if self._pool is not None:
+            self._pool.stop()
+
+    @contextmanager
+    def stopping_on_signals(self) -> Iterator[None]:
+        """The first SIGINT or SIGTERM stops the run cleanly; the next one is as rude as usual."""
+        if threading.current_thread() is not threading.main_thread():
+            yield
+            return
+        before = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
+
+        def handle(number: int, _frame: FrameType | None) -> None:
+            for each, handler in before.items():
+                signal.signal(each, handler)
+            self._stop(signal.Signals(number).name)
+
+        for number in before:
+            signal.signal(number, handle)
+        try:
+            yield
+        finally:
+            for number, handler in before.items():
+                signal.signal(number, handler)
+
+    # --- results ------------------------------------------------------------------------------------------------------
+
+    def finish(self) -> Finished:
+        """Judge everything and write results.json and the final run.json."""
+        cases = [self._judged(work) for work in self._work.values() if work.records]
+        statuses = [(name, render.status) for case in cases for name, render in case.renders.items()]
+        pairs = [(pair.a, pair.b, pair.judged) for case in cases for pair in case.pairs]
+        errors = tuple(error for work in self._work.values() for error in work.errors)
+        code = exit_code(statuses, pairs, self._plan.named)
+        if errors:
+            code = 3
+        if self._stopped_by is not None and not self._stopped_by.startswith("--"):
+            code = INTERRUPTED
+        started, ended, seconds = self._clock()
+        record = RunRecord(
+            equilux=machine.version_of_equilux(),
+            adapters=self._versions,
+            command=list(self._options.command),
+            started=started,
+            ended=ended,
+            seconds=seconds,
+            interrupted=self._stopped_by,
+        )
+        results = Results(run=record, cases=cases, summary=summarise(cases, code))
+        write_json(self._tree.root / "results.json", results.model_dump(mode="json"))
+        self.write_manifest(record)
+        return Finished(results, code, errors)
+
+    def _judged(self, work: CaseWork) -> CaseRecord:
+        case = work.case
+        pairs = [work.pairs[names] for names in sorted(work.pairs)]
+        judged = judge_case(case, {name: record["status"] for name, record in work.records.items()}, pairs)
+        return CaseRecord(
+            case=case.name,
+            scene=case.scene_name,
+            model=case.scene.model,
+            about=case.scene.about,
+            scene_file=_scene_file(case),
+            axes=dict(case.axes),
+            width=case.scene.film.width,
+            height=case.scene.film.height,
+            requires=list(case.requires),
+            expect=[
+                ExpectationRecord(adapter=used.adapter, cause=used.cause, when=used.when) for used in judged.expectations_used
+            ],
+            renders={name: _render_record(work.records[name]) for name in sorted(work.records)},
+            pairs=[_pair_record(pair, judged.judged[pair["a"], pair["b"]]) for pair in pairs],
+        )
+
+    def _clock(self) -> tuple[str, str, float]:
+        began, began_monotonic = self._started
+        return (
+            began.isoformat(timespec="seconds"),
+            datetime.now(UTC).isoformat(timespec="seconds"),
+            time.monotonic() - began_monotonic,
+        )
+
+    def write_manifest(self, finished: RunRecord | None) -> None:
+        """run.json: written before the first render, so that an interrupted tree is known for what it is, and once more at the
+        end."""
+        options = self._options
+        adapters = {
+            entry.name: {
+                "version": entry.version,
+                "distribution": f"{entry.distribution} {entry.distribution_version}",
+                "found": entry.probe.found,
+                "detail": entry.probe.detail,
+                "error": entry.error,
+                "knobs": self._knobs.get(entry.name, {}),
+                "named": entry.name in self._plan.named,
+                "added": entry.name in self._plan.added,
+            }
+            for entry in self._plan.entries
+        }
+        clock = {
+            "started": self._clock()[0],
+            "ended": finished.ended if finished else None,
+            "seconds": finished.seconds if finished else None,
+        }
+        write_json(
+            self._tree.root / "run.json",
+            {
+                "schema": RUN_SCHEMA,
+                "equilux": machine.version_of_equilux(),
+                "command": list(options.command),
+                "clock": clock,
+                "interrupted": finished.interrupted if finished else None,
+                "adapters": adapters,
+                "libraries": machine.library_versions(),
+                "machine": machine.describe_machine(),
+                "options": {
+                    "jobs": options.jobs,
+                    "timeout_s": options.limits.timeout_s,
+                    "memory_bytes": options.limits.memory_bytes,
+                    "reuse": options.reuse,
+                    "fail_fast": options.fail_fast,
+                    "flip": options.flip,
+                },
+                "identity": self._identity,
+            },
+        )
+
+
+def _result(future: Future[bool]) -> bool:
+    return future.result()
+
+
+def _render_record(record: Mapping[str, Any]) -> RenderRecord:
+    stated = record["uncertainty"]
+    return RenderRecord(
+        status=record["status"],
+        reason=record["reason"],
+        missing_features=record["missing_features"],
+        signal=record["signal"],
+        attempts=record["attempts"],
+        version=record["version"],
+        seconds=record["seconds"],
+        reused=record["reused"],
+        uncertainty=StatedUncertainty(abs=stated["abs"], rel=stated["rel"]) if stated is not None else None,
+    )
+
+
+def _pair_record(pair: Mapping[str, Any], judged: str) -> PairRecord:
+    fields = {name: pair[name] for name in PairRecord.model_fields if name in pair}
+    return PairRecord.model_validate(fields | {"judged": judged, "expected": judged == "diverge_expected"})
+
+
+def _scene_file(case: Case) -> str | None:
+    """The spec's file, relative to the corpus or to the folder the run was started in; elsewhere its last two parts."""
+    if case.source is None:
+        return None
+    source = case.source.resolve()
+    for base in (corpus_folder().resolve(), Path.cwd()):
+        if source.is_relative_to(base):
+            return source.relative_to(base).as_posix()
+    return Path(*source.parts[-2:]).as_posix()
+
+
+def _case_line(work: CaseWork, judged: CaseRecord) -> str:
+    """A finished case in one line."""
+    renders = ", ".join(f"{name} {record.status}" for name, record in judged.renders.items())
+    counts = Counter(pair.judged for pair in judged.pairs)
+    pairs = ", ".join(f"{count} {judgement.replace('_', ' ')}" for judgement, count in sorted(counts.items()))
+    return f"{work.case.name}: {renders}; {f'pairs: {pairs}' if pairs else 'no pair'}"
