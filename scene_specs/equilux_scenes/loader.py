@@ -2,33 +2,44 @@
 
 from __future__ import annotations
 
-import itertools
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from importlib.resources import files
 from pathlib import Path
-from typing import Any
-
-import numpy as np
-from pydantic import ValidationError
 
 from equilux_scenes.case import Case
-from equilux_scenes.errors import SpecError, SpecErrors, number_text
-from equilux_scenes.limits import Limits
-from equilux_scenes.mesh import MeshData, TriangleMesh, resolve
-from equilux_scenes.model import Mesh, Scene
-from equilux_scenes.yaml_tree import ListNode, MapNode, YamlTree, parse, plain
+from equilux_scenes.checks import Context
+from equilux_scenes.comments import comments_beside
+from equilux_scenes.confined import CannotRead, read_bytes
+from equilux_scenes.errors import SpecError, SpecErrors
+from equilux_scenes.expanding import expand
+from equilux_scenes.expectation import applies
+from equilux_scenes.limits import Limits, exceeded
+from equilux_scenes.meshes import MeshStore
+from equilux_scenes.model import Scene
+from equilux_scenes.reading import Reader
+from equilux_scenes.yaml_tree import ListNode, MapNode, YamlText, YamlTree, parse
+
+SUFFIX = ".scene.yaml"
+
+__all__ = ["Limits", "SceneFile", "SpecError", "SpecErrors", "corpus_folder", "load_scene_file", "load_scene_text", "load_scenes"]
 
 
 @dataclass(frozen=True, eq=False)
 class SceneFile:
-    """One spec that was read: the scene as written, and its cases (one without a sweep)."""
+    """One spec that was read.
+
+    scene: as written, its sweep included. path: the file, None for a text. cases: in file order; one for a scene without sweep.
+    warnings: what is allowed and probably not meant. expect_comments: per expectation, the YAML comment beside it. name_place: line
+    and column of the scene's name.
+    """
 
     scene: Scene
     path: Path | None
     cases: tuple[Case, ...]
     warnings: tuple[SpecError, ...] = ()
     expect_comments: tuple[str | None, ...] = ()
+    name_place: tuple[int, int] = (1, 1)
 
 
 def corpus_folder() -> Path:
@@ -36,104 +47,121 @@ def corpus_folder() -> Path:
     return Path(str(files("equilux_scenes") / "corpus"))
 
 
-def load_scene_text(text: str, name_for_errors: str = "<text>", folder: Path | None = None, limits: Limits | None = None) -> SceneFile:
-    """Read one spec from a string. Raises SpecErrors."""
-    return _load(text, name_for_errors, None, folder, limits or Limits())
+def load_scene_text(
+    text: str, name_for_errors: str = "<text>", folder: str | Path | None = None, limits: Limits | None = None
+) -> SceneFile:
+    """Read one spec from a string; `folder` is where its mesh files are. Raises SpecErrors with every error in it."""
+    return _load(text, name_for_errors, None, Path(folder) if folder is not None else None, limits or Limits())
 
 
 def load_scene_file(path: str | Path, limits: Limits | None = None) -> SceneFile:
-    """Read one spec from a file. Raises SpecErrors."""
+    """Read one spec from a file (UTF-8, with or without a byte order mark). Raises SpecErrors with every error in it."""
+    limits = limits or Limits()
     path = Path(path)
-    try:
-        text = path.read_text(encoding="utf-8", errors="strict")
-    except (OSError, UnicodeDecodeError) as error:
-        raise SpecErrors([SpecError(str(path), 1, 1, f"cannot be read: {error}")]) from None
-    return _load(text, str(path), path, path.parent, limits or Limits())
+    return _load(_text_of(path, limits), str(path), path, path.parent, limits)
 
 
 def load_scenes(paths: Iterable[str | Path], limits: Limits | None = None) -> list[SceneFile]:
-    """Read files and folders (recursively `*.scene.yaml`). Raises SpecErrors with the errors of all of them."""
+    """Read files, and folders recursively (`*.scene.yaml`, in alphabetical order); a file named twice is read once.
+
+    Raises SpecErrors with the errors of all files. Scene names must be unique among them.
+    """
     loaded: list[SceneFile] = []
     errors: list[SpecError] = []
-    for path in _spec_paths(paths):
+    seen: set[Path] = set()
+    for path in _spec_paths(paths, errors):
+        real = path.resolve()
+        if real in seen:
+            continue
+        seen.add(real)
         try:
             loaded.append(load_scene_file(path, limits))
         except SpecErrors as failed:
             errors.extend(failed.errors)
+    errors.extend(_repeated_names(loaded))
     if errors:
         raise SpecErrors(errors)
     return loaded
 
 
-def _spec_paths(paths: Iterable[str | Path]) -> Iterator[Path]:
+def _spec_paths(paths: Iterable[str | Path], errors: list[SpecError]) -> Iterator[Path]:
     for path in map(Path, paths):
-        if path.is_dir():
-            yield from sorted(path.rglob("*.scene.yaml"))
-        else:
+        if not path.is_dir():
             yield path
+            continue
+        found = sorted(path.rglob(f"*{SUFFIX}"))
+        if not found:
+            errors.append(SpecError(str(path), 1, 1, f"folder without scenes, allowed a folder with files named *{SUFFIX}"))
+        yield from found
+
+
+def _repeated_names(loaded: list[SceneFile]) -> Iterator[SpecError]:
+    first: dict[str, SceneFile] = {}
+    for file in loaded:
+        other = first.setdefault(file.scene.name, file)
+        if other is not file:
+            where = f"{other.path}:{other.name_place[0]}:{other.name_place[1]}"
+            message = f"name of the scene: got '{file.scene.name}', allowed a name of its own (also given at {where})"
+            yield SpecError(str(file.path), *file.name_place, message)
+
+
+def _text_of(path: Path, limits: Limits) -> str:
+    try:
+        content = read_bytes(path, limits.file_bytes)
+    except CannotRead as failed:
+        message = f"cannot be read: {failed.why}, allowed a spec file"
+        if failed.size is not None:
+            message = exceeded("file_bytes", failed.size, limits.file_bytes, "bytes of the file")
+        raise SpecErrors([SpecError(str(path), 1, 1, message)]) from None
+    try:
+        return content.decode("utf-8")
+    except UnicodeDecodeError as failed:
+        before = YamlText(str(path), content[: failed.start].decode("utf-8", errors="replace"))
+        raise SpecErrors([before.error(len(before.text), f"byte 0x{content[failed.start]:02x}, allowed UTF-8 text")]) from None
 
 
 def _load(text: str, file: str, path: Path | None, folder: Path | None, limits: Limits) -> SceneFile:
+    if len(text) > limits.file_bytes:
+        raise SpecErrors([SpecError(file, 1, 1, exceeded("file_bytes", len(text), limits.file_bytes, "bytes of the file"))])
     tree = parse(text, file, limits)
-    if tree.errors:
-        raise SpecErrors(tree.errors)
-    content = plain(tree.root)
-    scene = _scene(content, tree)
-    cases = tuple(_cases(content, scene, tree, path, folder))
-    return SceneFile(scene, path, cases)
+    reader = Reader(tree.source, Context(limits, MeshStore(folder, limits)))
+    reader.errors.extend(tree.errors)
+    scene = reader.scene(tree.root)
+    cases = expand(tree, reader, scene, path, folder)
+    if reader.errors or scene is None:
+        raise SpecErrors(_in_order(reader.errors, limits))
+    return SceneFile(scene, path, cases, _warnings(tree, reader, scene, cases), _expect_comments(tree), _name_place(tree))
 
 
-def _scene(content: Any, tree: YamlTree) -> Scene:
-    try:
-        return Scene.model_validate(content)
-    except ValidationError as failed:
-        raise SpecErrors(
-            SpecError(tree.source.file, *_where(tree, error["loc"]), f"{'.'.join(map(str, error['loc']))}: {error['msg']}, got {error['input']}")
-            for error in failed.errors()
-        ) from None
+def _in_order(errors: list[SpecError], limits: Limits) -> list[SpecError]:
+    """By place, each once; beyond the limit only counted."""
+    ordered = sorted(set(errors))
+    if len(ordered) <= limits.errors:
+        return ordered
+    last = ordered[limits.errors]
+    rest = len(ordered) - limits.errors
+    words = f"{rest} more errors (limit 'errors': raise it with --limit errors={len(ordered)})"
+    return [*ordered[: limits.errors], SpecError(last.file, last.line, last.column, words)]
 
 
-def _where(tree: YamlTree, loc: tuple[Any, ...]) -> tuple[int, int]:
-    node = tree.root
-    for part in loc:
-        if isinstance(node, MapNode) and part in node.entries:
-            node = node.entries[part]
-        elif isinstance(node, ListNode) and isinstance(part, int) and part < len(node.items):
-            node = node.items[part]
-    return node.place.line, node.place.column
+def _entry(tree: YamlTree, key: str) -> object:
+    return tree.root.entries.get(key) if isinstance(tree.root, MapNode) else None
 
 
-def _cases(content: Any, scene: Scene, tree: YamlTree, path: Path | None, folder: Path | None) -> Iterator[Case]:
-    axes = list(scene.sweep)
-    for picks in itertools.product(*(list(enumerate(scene.sweep[axis].values)) for axis in axes)):
-        swept = content
-        for axis, (_, value) in zip(axes, picks, strict=True):
-            swept = _replaced(swept, scene.sweep[axis].path.split("."), value)
-        case_scene = _scene({**swept, "sweep": {}}, tree)
-        labels = [f"{axis}={_label(index, value)}" for axis, (index, value) in zip(axes, picks, strict=True)]
-        name = scene.name + (f"[{','.join(labels)}]" if labels else "")
-        values = {axis: value for axis, (_, value) in zip(axes, picks, strict=True)}
-        yield Case(name, case_scene, scene.name, values, path, folder, _meshes(case_scene, folder))
+def _warnings(tree: YamlTree, reader: Reader, scene: Scene, cases: tuple[Case, ...]) -> tuple[SpecError, ...]:
+    expect = _entry(tree, "expect")
+    for index, expectation in enumerate(scene.expect):
+        if isinstance(expect, ListNode) and not any(applies(expectation, case.axes) for case in cases):
+            place = expect.items[index].place
+            reader.warn_at(place, f"when of expectation {index}: got '{expectation.when}', which holds for no case of the sweep")
+    return tuple(sorted(set(reader.warnings)))
 
 
-def _label(index: int, value: Any) -> str:
-    return number_text(value) if isinstance(value, int | float) and not isinstance(value, bool) else f"#{index}"
+def _expect_comments(tree: YamlTree) -> tuple[str | None, ...]:
+    expect = _entry(tree, "expect")
+    return comments_beside(tree.source, expect) if isinstance(expect, ListNode) else ()
 
 
-def _replaced(content: Any, keys: list[str], value: Any) -> Any:
-    if not keys:
-        return value
-    key, *rest = keys
-    if isinstance(content, tuple):
-        return tuple(_replaced(item, rest, value) if str(index) == key else item for index, item in enumerate(content))
-    return {**content, key: _replaced(content.get(key, {}), rest, value)}
-
-
-def _meshes(scene: Scene, folder: Path | None) -> Mapping[int, TriangleMesh]:
-    found = {}
-    for index, obj in enumerate(scene.objects):
-        if isinstance(obj, Mesh) and obj.vertices is not None and obj.faces is not None:
-            normals = None if obj.vertex_normals is None else np.array(obj.vertex_normals, dtype=np.float64)
-            data = MeshData(np.array(obj.vertices, dtype=np.float64), np.array(obj.faces, dtype=np.int64), normals)
-            found[index] = resolve(data, obj.normals)
-    return found
+def _name_place(tree: YamlTree) -> tuple[int, int]:
+    place = tree.root.entries["name"].place if isinstance(tree.root, MapNode) else tree.root.place
+    return place.line, place.column

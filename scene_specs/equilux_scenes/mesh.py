@@ -12,9 +12,18 @@ import numpy.typing as npt
 Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
 
+CANCELLED = 1e-12
+"""Share of the summed weight below which only rounding is left of a vertex normal."""
+
 
 class MeshError(ValueError):
-    """A mesh that cannot be shaded; the message says which vertex or triangle and why."""
+    """A mesh that cannot be shaded: `path` in the object's keys, what is `allowed` there, and a `note` on why."""
+
+    def __init__(self, path: tuple[str | int, ...], allowed: str, note: str = "") -> None:
+        super().__init__(f"{path}: allowed {allowed}{note}")
+        self.path = path
+        self.allowed = allowed
+        self.note = note
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,82 +39,81 @@ class TriangleMesh:
     vertex_normals: Floats | None = None
 
     def content_hash(self) -> str:
-        """Hex digest of everything above."""
+        """Hex digest of everything above; −0.0 and 0.0 are one number."""
         digest = hashlib.sha256()
         for array in (self.vertices, self.faces, self.vertex_normals):
-            digest.update(b"|" if array is None else f"|{array.shape}".encode() + np.ascontiguousarray(array).tobytes())
+            digest.update(b"|" if array is None else f"|{array.shape}".encode() + np.ascontiguousarray(array + 0).tobytes())
         return digest.hexdigest()
 
 
-@dataclass(frozen=True, eq=False)
-class MeshData:
-    """What a file or the spec gives: like `TriangleMesh`, but normals are as written and may be absent."""
+def shaded(mesh: TriangleMesh, normals: Literal["flat", "smooth"]) -> TriangleMesh:
+    """A mesh as read (its vertex normals as written, or None) → as it is shaded.
 
-    vertices: Floats
-    faces: Ints
-    vertex_normals: Floats | None = None
-
-
-def resolve(data: MeshData, normals: Literal["flat", "smooth"]) -> TriangleMesh:
-    """The mesh as it is shaded.
-
-    `flat` drops vertex normals. `smooth` takes the given ones, made unit, else Σ area × angle × unit face normal over the triangles
-    at each vertex. Raises MeshError for faces out of range, non-finite numbers, and a vertex of a triangle with area whose normal is
-    zero or cancels out.
+    `flat` drops vertex normals. `smooth` takes the given ones, made unit, else Σ area × angle × unit face normal over the
+    triangles at each vertex. A vertex of no triangle with area is never shaded: its normal is made +z. Raises MeshError for a vertex
+    that is shaded and whose normal is zero or cancels out.
     """
-    _check(data)
     if normals == "flat":
-        return TriangleMesh(data.vertices, data.faces)
-    crosses = np.cross(_edge(data, 0, 1), _edge(data, 0, 2))
-    shaded = np.zeros(len(data.vertices), dtype=bool)
-    shaded[data.faces[np.linalg.norm(crosses, axis=1) > 0].ravel()] = True
-    summed, weight = _summed_normals(data, crosses) if data.vertex_normals is None else _given_normals(data.vertex_normals)
+        return TriangleMesh(mesh.vertices, mesh.faces)
+    summed, weight = summed_normals(mesh) if mesh.vertex_normals is None else _given_normals(mesh.vertex_normals)
     length = np.linalg.norm(summed, axis=1)
-    # below this share of the weight only rounding is left of the sum
-    lost = shaded & (length <= 1e-12 * weight)
+    usable = length > CANCELLED * weight
+    lost = _seen_vertices(mesh) & ~usable
     if lost.any():
         vertex = int(np.flatnonzero(lost)[0])
-        why = "the normals of its triangles cancel out" if data.vertex_normals is None else "the normal given is zero"
-        raise MeshError(f"normal of vertex {vertex}, {why}, allowed a direction (or normals: flat)")
-    usable = length > 1e-12 * weight
+        if mesh.vertex_normals is None:
+            raise MeshError(("normals",), "flat", f" (smooth: the normals of the triangles at vertex {vertex} cancel out)")
+        raise MeshError(("vertex_normals", vertex), "three numbers, not all 0")
     unit = np.where(usable[:, None], summed / np.where(usable, length, 1.0)[:, None], np.array([0.0, 0.0, 1.0]))
-    return TriangleMesh(data.vertices, data.faces, unit)
+    return TriangleMesh(mesh.vertices, mesh.faces, unit)
 
 
-def _edge(data: MeshData, a: int, b: int) -> Floats:
-    edge: Floats = data.vertices[data.faces[:, b]] - data.vertices[data.faces[:, a]]
+def triangle_areas(mesh: TriangleMesh) -> Floats:
+    """(m,) float64, m², of the triangles scaled so that the largest coordinate is 1 where that is needed to represent them."""
+    areas: Floats = np.linalg.norm(_crosses(mesh), axis=1) / 2
+    return areas
+
+
+def summed_normals(mesh: TriangleMesh) -> tuple[Floats, Floats]:
+    """Per vertex: (n, 3) Σ area × angle × unit face normal and (n,) Σ area × angle, by which to judge how much is left of the sum."""
+    crosses = _crosses(mesh)
+    areas = np.linalg.norm(crosses, axis=1) / 2
+    summed = np.zeros_like(mesh.vertices)
+    weight = np.zeros(len(mesh.vertices))
+    scale = _scale(mesh)
+    for corner in range(3):
+        u, v = _edge(mesh, corner, (corner + 1) % 3) / scale, _edge(mesh, corner, (corner + 2) % 3) / scale
+        # atan2 of |u × v| and u · v: accurate for slivers, where the arc cosine is not
+        angles = np.arctan2(2 * areas, np.einsum("ij,ij->i", u, v))
+        np.add.at(summed, mesh.faces[:, corner], crosses / 2 * angles[:, None])
+        np.add.at(weight, mesh.faces[:, corner], areas * angles)
+    return summed, weight
+
+
+def _scale(mesh: TriangleMesh) -> float:
+    """A length to divide edges by, so that products of tiny or huge coordinates neither vanish nor overflow."""
+    largest = float(np.abs(mesh.vertices).max(initial=0.0))
+    return 2.0 ** np.frexp(largest)[1] if largest > 0 else 1.0
+
+
+def _edge(mesh: TriangleMesh, a: int, b: int) -> Floats:
+    edge: Floats = mesh.vertices[mesh.faces[:, b]] - mesh.vertices[mesh.faces[:, a]]
     return edge
 
 
-def _check(data: MeshData) -> None:
-    for name, array in (("vertex", data.vertices), ("vertex normal", data.vertex_normals)):
-        if array is not None and not np.isfinite(array).all():
-            index = int(np.flatnonzero(~np.isfinite(array).all(axis=1))[0])
-            raise MeshError(f"{name} {index}, got a number that is not finite, allowed finite numbers")
-    if data.vertex_normals is not None and len(data.vertex_normals) != len(data.vertices):
-        raise MeshError(f"vertex normals, got {len(data.vertex_normals)}, allowed one per vertex ({len(data.vertices)})")
-    outside = (data.faces < 0) | (data.faces >= len(data.vertices))
-    if outside.any():
-        face, corner = (int(index) for index in np.argwhere(outside)[0])
-        last = len(data.vertices) - 1
-        raise MeshError(f"face {face}, got vertex {int(data.faces[face, corner])}, allowed 0 to {last}")
+def _crosses(mesh: TriangleMesh) -> Floats:
+    """(m, 3) edge × edge, in units of the mesh's scale squared."""
+    scale = _scale(mesh)
+    crosses: Floats = np.cross(_edge(mesh, 0, 1) / scale, _edge(mesh, 0, 2) / scale)
+    return crosses
 
 
-def _summed_normals(data: MeshData, crosses: Floats) -> tuple[Floats, Floats]:
-    """Per vertex: Σ area × angle × unit face normal, and Σ area × angle, to judge how much of the sum is left."""
-    areas = np.linalg.norm(crosses, axis=1) / 2
-    summed = np.zeros_like(data.vertices)
-    weight = np.zeros(len(data.vertices))
-    for corner in range(3):
-        u, v = _edge(data, corner, (corner + 1) % 3), _edge(data, corner, (corner + 2) % 3)
-        # atan2 of |u × v| and u · v: accurate for slivers, where the arc cosine is not
-        angles = np.arctan2(2 * areas, np.einsum("ij,ij->i", u, v))
-        np.add.at(summed, data.faces[:, corner], crosses / 2 * angles[:, None])
-        np.add.at(weight, data.faces[:, corner], areas * angles)
-    return summed, weight
+def _seen_vertices(mesh: TriangleMesh) -> npt.NDArray[np.bool_]:
+    seen = np.zeros(len(mesh.vertices), dtype=np.bool_)
+    seen[mesh.faces[np.any(_crosses(mesh) != 0, axis=1)].ravel()] = True
+    return seen
 
 
 def _given_normals(normals: Floats) -> tuple[Floats, Floats]:
     largest = np.abs(normals).max(axis=1, keepdims=True, initial=0.0)
-    scaled = normals / np.where(largest > 0, largest, 1.0)
-    return scaled, np.ones(len(normals))
+    return normals / np.where(largest > 0, largest, 1.0), np.ones(len(normals))

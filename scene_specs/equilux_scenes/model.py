@@ -1,7 +1,8 @@
 """The typed scene: what a spec means once it has been read and every default has been filled in.
 
 Frozen pydantic models, one class per `kind`. Units are SI and bands are linear: see CONVENTIONS.md. The meaning of every term is
-the lighting model's; nothing here evaluates it.
+the lighting model's; nothing here evaluates it. A term of another lighting model than the scene's is marked `OnlyIn` and keeps
+its default. A new lighting model is one more entry of `LIGHTING_MODELS` and of `Scene.model`, and its terms stand here.
 """
 
 from __future__ import annotations
@@ -9,93 +10,150 @@ from __future__ import annotations
 from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
+from pydantic.json_schema import SkipJsonSchema
 
-Vector3 = Annotated[tuple[float, float, float], BeforeValidator(lambda v: tuple(v) if isinstance(v, list) else v)]
-"""Three world coordinates, metres."""
+from equilux_scenes.values import (
+    Allowed,
+    Bands,
+    Count,
+    Direction,
+    Factors,
+    Fraction,
+    Matrix4,
+    NonNegative,
+    Number,
+    OnlyIn,
+    Points,
+    Positive,
+    Text,
+    Triangles,
+    Vector3,
+)
 
+LIGHTING_MODELS = {
+    "phong": "local: no occlusion, both faces of a surface lit alike",
+    "opengl": "the fixed-function rules, per point",
+    "raytraced": "occlusion, mirror reflection and refraction, to a recursion limit",
+    "reflection-equation": "direct light of extended emitters, integrated over the hemisphere",
+}
+"""Every lighting model of the spec language; `Scene.model` names those that this version has."""
 
-def _three_bands(value: Any) -> Any:
-    """One number stands for three equal bands."""
-    if isinstance(value, list):
-        return tuple(value)
-    if isinstance(value, int | float) and not isinstance(value, bool):
-        return (value, value, value)
-    return value
-
-
-NonNegative = Annotated[float, Field(ge=0)]
-Positive = Annotated[float, Field(gt=0)]
-Bands = Annotated[tuple[NonNegative, NonNegative, NonNegative], BeforeValidator(_three_bands)]
-"""One radiometric quantity in three linear bands."""
+ZERO = (0.0, 0.0, 0.0)
+ONE = (1.0, 1.0, 1.0)
 
 
 class Part(BaseModel):
     """Base of every part of a spec: immutable, no unknown keys, no silent conversion, no NaN or Inf."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False, use_attribute_docstrings=True)
 
 
 # --- camera and film --------------------------------------------------------------------------------------------------
 
 
 class PerspectiveCamera(Part):
+    """A pinhole camera. right = forward × up, forward from eye to target; pixels are square, rows go downwards."""
+
     projection: Literal["perspective"]
     eye: Vector3
+    """Where the rays start, metres."""
     target: Vector3
-    up: Vector3 = (0.0, 1.0, 0.0)
-    fov_y_deg: Annotated[float, Field(gt=0, lt=180)]
+    """A point on the view axis, metres."""
+    up: Direction = (0.0, 1.0, 0.0)
+    """Any direction not parallel to the view; the picture's upward direction is its part across the view."""
+    fov_y_deg: Annotated[float, Field(gt=0, lt=180), Allowed("a number in the open interval (0, 180)")]
+    """Full vertical field of view, degrees."""
 
 
 class OrthographicCamera(Part):
+    """A camera with parallel rays, which start at the eye's plane."""
+
     projection: Literal["orthographic"]
     eye: Vector3
+    """A point of the plane where the rays start, metres; the middle of the film."""
     target: Vector3
-    up: Vector3 = (0.0, 1.0, 0.0)
+    """A point on the view axis, metres."""
+    up: Direction = (0.0, 1.0, 0.0)
+    """Any direction not parallel to the view; the picture's upward direction is its part across the view."""
     height_m: Positive
+    """Full height of the film, metres."""
 
 
 Camera = Annotated[PerspectiveCamera | OrthographicCamera, Field(discriminator="projection")]
 
 
 class Film(Part):
-    width: Annotated[int, Field(ge=1)]
-    height: Annotated[int, Field(ge=1)]
+    """The pixels; each is sampled at its centre."""
+
+    width: Count
+    """Columns."""
+    height: Count
+    """Rows; row 0 is on top."""
 
 
 # --- lights -----------------------------------------------------------------------------------------------------------
 
 
 class Attenuation(Part):
-    """E = I / (constant + linear r + quadratic r²); in m², m and 1. Given in part, the others are 0."""
+    """E = I / (constant + linear r + quadratic r²). Given in part, the others are 0."""
 
     constant: NonNegative = 0.0
+    """m²"""
     linear: NonNegative = 0.0
+    """m"""
     quadratic: NonNegative = 0.0
+    """Dimensionless."""
 
 
 INVERSE_SQUARE = Attenuation(quadratic=1.0)
 
 
-class PointLight(Part):
+class LightColours(Part):
+    """The separate colours of a light that the fixed-function model has; they multiply its intensity or irradiance."""
+
+    ambient: Annotated[Bands, OnlyIn("opengl")] = ZERO
+    """Share of the light that counts as ambient."""
+    diffuse: Annotated[Bands, OnlyIn("opengl")] = ONE
+    """Share of the light in the diffuse term."""
+    specular: Annotated[Bands, OnlyIn("opengl")] = ONE
+    """Share of the light in the highlight."""
+
+
+class PointLight(LightColours):
+    """A light at a point, shining alike in all directions."""
+
     kind: Literal["point"]
     position: Vector3
+    """Metres."""
     intensity: Bands
+    """Radiant intensity, W/sr."""
     attenuation: Attenuation = INVERSE_SQUARE
 
 
-class DirectionalLight(Part):
+class DirectionalLight(LightColours):
+    """A light at infinity."""
+
     kind: Literal["directional"]
-    direction: Vector3  # the way the light travels
+    direction: Direction
+    """The way the light travels."""
     irradiance: Bands
+    """On a surface that faces the light, W/m²."""
 
 
-class SpotLight(Part):
+class SpotLight(LightColours):
+    """A point light with a hard cone: cos^exponent of the angle to the axis inside (the edge included), 0 outside."""
+
     kind: Literal["spot"]
     position: Vector3
-    direction: Vector3  # the way the light travels along the axis
-    intensity: Bands  # on the axis
-    cone_half_angle_deg: Annotated[float, Field(gt=0, le=90)]
+    """Metres."""
+    direction: Direction
+    """The way the light travels along the axis."""
+    intensity: Bands
+    """Radiant intensity on the axis, W/sr."""
+    cone_half_angle_deg: Annotated[float, Field(gt=0, le=90), Allowed("a number in the interval (0, 90]")]
+    """From the axis to the edge of the cone, degrees."""
     exponent: NonNegative = 0.0
+    """Power of the cosine of the angle to the axis."""
     attenuation: Attenuation = INVERSE_SQUARE
 
 
@@ -106,88 +164,153 @@ Light = Annotated[PointLight | DirectionalLight | SpotLight, Field(discriminator
 
 
 class Material(Part):
-    """Literal coefficients: diffuse and specular in 1/sr, ambient dimensionless, emission in W/(m²·sr)."""
+    """Literal coefficients: never an albedo, never normalised, never divided by π."""
 
-    diffuse: Bands = (0.0, 0.0, 0.0)
-    specular: Bands = (0.0, 0.0, 0.0)
+    diffuse: Bands = ZERO
+    """K_diff, 1/sr."""
+    specular: Bands = ZERO
+    """K_spec, 1/sr."""
     exponent: NonNegative = 1.0
-    ambient: Bands = (0.0, 0.0, 0.0)
-    emission: Bands = (0.0, 0.0, 0.0)
-    reflection: Bands = (0.0, 0.0, 0.0)
-    transmission: Bands = (0.0, 0.0, 0.0)
-    transparency: Annotated[float, Field(ge=0, le=1)] = 0.0
-    ior: Positive = 1.0
+    """p of the highlight (R·V)^p."""
+    ambient: Bands = ZERO
+    """K_amb, multiplies the scene's ambient radiance."""
+    emission: Bands = ZERO
+    """K_emit, W/(m²·sr)."""
+    reflection: Annotated[Bands, OnlyIn("raytraced")] = ZERO
+    """k_refl, weight of the mirrored radiance."""
+    transmission: Annotated[Bands, OnlyIn("raytraced")] = ZERO
+    """k_trans, weight of the refracted radiance."""
+    transparency: Annotated[Fraction, OnlyIn("raytraced")] = 0.0
+    """t: the surface is weighted 1 − t, what lies behind it t."""
+    ior: Annotated[Positive, OnlyIn("raytraced")] = 1.0
+    """Index of refraction on the inner side; 1 on the outer."""
 
 
 # --- objects ----------------------------------------------------------------------------------------------------------
 
 
 class Rotation(Part):
-    axis: Vector3
-    degrees: float
+    """A right-handed rotation about an axis through the origin."""
+
+    axis: Direction
+    degrees: Number
+
+
+def _given(value: Any) -> Any:
+    """An optional key is left out, never written as null."""
+    if value is None:
+        raise ValueError("null")
+    return value
+
+
+NotNull = BeforeValidator(_given)
+Absent = SkipJsonSchema[None]
 
 
 class TransformStep(Part):
-    """Exactly one of the four; steps are applied in the order they are written."""
+    """Exactly one of the four. Steps are applied in the order they are written."""
 
-    scale: float | Vector3 | None = None
-    rotate: Rotation | None = None
-    translate: Vector3 | None = None
-    matrix: tuple[tuple[float, float, float, float], ...] | None = None  # 4×4, acts on column vectors
+    model_config = ConfigDict(json_schema_extra={"minProperties": 1, "maxProperties": 1})
+
+    scale: Annotated[Factors | Absent, NotNull] = None
+    rotate: Annotated[Rotation | Absent, NotNull] = None
+    translate: Annotated[Vector3 | Absent, NotNull] = None
+    """Metres."""
+    matrix: Annotated[Matrix4 | Absent, NotNull] = None
+    """4×4, row by row, acting on column vectors; the last row is [0, 0, 0, 1]."""
 
 
 class Shape(Part):
-    material: str
+    """What every object has."""
+
+    material: Text
+    """The name of one of the scene's materials."""
     transform: tuple[TransformStep, ...] = ()
+    """Object → world."""
 
 
 class Sphere(Shape):
+    """A sphere."""
+
     kind: Literal["sphere"]
     center: Vector3
+    """Metres."""
     radius: Positive
+    """Metres."""
 
 
 class Plane(Shape):
+    """An infinite plane."""
+
     kind: Literal["plane"]
     point: Vector3
-    normal: Vector3
+    """Any of its points, metres."""
+    normal: Direction
 
 
 class Box(Shape):
+    """A box with faces across the coordinate axes."""
+
     kind: Literal["box"]
     min: Vector3
+    """Its corner with the smallest coordinates, metres."""
     max: Vector3
+    """Its corner with the largest coordinates, metres."""
 
 
 class Disc(Shape):
+    """A flat disc."""
+
     kind: Literal["disc"]
     center: Vector3
-    normal: Vector3
+    """Metres."""
+    normal: Direction
     radius: Positive
+    """Metres."""
 
 
 class Rectangle(Shape):
+    """A flat rectangle; its normal is edge_u × edge_v."""
+
     kind: Literal["rectangle"]
     corner: Vector3
-    edge_u: Vector3
-    edge_v: Vector3  # orthogonal to edge_u; the normal is edge_u × edge_v
+    """Metres."""
+    edge_u: Direction
+    """From the corner to the next one, metres."""
+    edge_v: Direction
+    """From the corner to the other next one, orthogonal to edge_u, metres."""
 
 
 class Cylinder(Shape):
+    """A round cylinder."""
+
     kind: Literal["cylinder"]
     base: Vector3
+    """Middle of one end, metres."""
     top: Vector3
+    """Middle of the other end, metres."""
     radius: Positive
-    capped: bool = True
+    """Metres."""
+    capped: Annotated[bool, Allowed("true or false")] = True
+    """Whether the ends are closed by discs."""
 
 
 class Mesh(Shape):
+    """Triangles, from a file or inline. Their geometric normal follows the right hand: counter-clockwise seen from its side."""
+
+    model_config = ConfigDict(json_schema_extra={"oneOf": [{"required": ["file"]}, {"required": ["vertices", "faces"]}]})
+
     kind: Literal["mesh"]
-    normals: Literal["flat", "smooth"] = "flat"
-    file: str | None = None
-    vertices: tuple[Vector3, ...] | None = None
-    faces: tuple[tuple[int, int, int], ...] | None = None
-    vertex_normals: tuple[Vector3, ...] | None = None
+    normals: Annotated[Literal["flat", "smooth"], Allowed("flat or smooth")] = "flat"
+    """flat: the triangles' own normals. smooth: vertex normals, interpolated; where none are given, weighted by area and angle."""
+    file: Annotated[str | Absent, NotNull, Allowed("the name of a .obj or .ply file in the scene's folder")] = None
+    """A .obj or .ply file in the scene's folder or below it."""
+    vertices: Annotated[Points | Absent, NotNull] = None
+    """Metres."""
+    faces: Annotated[Triangles | Absent, NotNull] = None
+    """Triangles as vertex numbers, counted from 0."""
+    vertex_normals: Annotated[Points | Absent, NotNull] = None
+    """One direction per vertex."""
 
 
 Object = Annotated[Sphere | Plane | Box | Disc | Rectangle | Cylinder | Mesh, Field(discriminator="kind")]
@@ -197,29 +320,55 @@ Object = Annotated[Sphere | Plane | Box | Disc | Rectangle | Cylinder | Mesh, Fi
 
 
 class SweepAxis(Part):
-    path: str
-    values: tuple[Any, ...]
+    """One value of the spec that takes several values in turn."""
+
+    path: Text
+    """Keys and list positions from the root, joined by dots: `materials.clay.exponent`."""
+    values: Annotated[tuple[Any, ...], Field(min_length=1), Allowed("a list of at least one value")]
 
 
 class Expectation(Part):
     """A known divergence, pinned both ways: a new one fails, a vanished one fails too."""
 
-    adapter: str
-    cause: str
-    when: str | None = None
+    adapter: Annotated[str, Field(min_length=1), Allowed("the name of an adapter")]
+    cause: Text
+    """A cause id."""
+    when: Annotated[str | Absent, NotNull, Allowed("comparisons of sweep axes with numbers, joined by and, or")] = None
+    """For which cases: `exponent > 128 and size == 1`."""
+
+
+def _exact_int(value: Any) -> Any:
+    """`true` and `1.0` equal 1 in Python, and are no spec version."""
+    if type(value) is not int:
+        raise ValueError("not an integer")
+    return value
 
 
 class Scene(Part):
-    equilux: Literal[1]
-    name: str
-    about: str = ""
-    model: Literal["phong"]
+    """One scene: everything that determines its picture in every renderer."""
+
+    equilux: Annotated[Literal[1], BeforeValidator(_exact_int), Allowed("1, the version of the spec language")]
+    name: Annotated[str, Field(pattern="^[a-z0-9-]+$", max_length=100), Allowed("lower-case letters, digits and hyphens, at most 100")]
+    about: Text = ""
+    """What the scene shows, in a sentence."""
+    model: Annotated[Literal["phong"], Allowed("phong")]
+    """The lighting model that the scene is about."""
     camera: Camera
     film: Film
-    ambient: Bands = (0.0, 0.0, 0.0)
-    background: Bands = (0.0, 0.0, 0.0)
+    ambient: Bands = ZERO
+    """L_amb, W/(m²·sr)."""
+    background: Bands = ZERO
+    """Radiance of rays that miss, W/(m²·sr)."""
     lights: dict[str, Light] = {}
     materials: dict[str, Material] = {}
     objects: tuple[Object, ...]
+    recursion_limit: Annotated[int, Field(ge=0), Allowed("an integer ≥ 0"), OnlyIn("raytraced")] = 8
+    """How many reflected or refracted rays in succession."""
+    transparent_shadows: Annotated[Literal["attenuate", "ignore"], Allowed("attenuate or ignore"), OnlyIn("raytraced")] = "attenuate"
+    """What a transparent object does to light that crosses it."""
+    viewer: Annotated[Literal["local", "infinite"], Allowed("local or infinite"), OnlyIn("opengl")] = "local"
+    """Whether V is taken to the eye point or is minus the view direction everywhere."""
     sweep: dict[str, SweepAxis] = {}
+    """Axes; the cases are their product, in file order."""
     expect: tuple[Expectation, ...] = ()
+    """Divergences that are known."""

@@ -91,6 +91,10 @@ class YamlText:
         line = bisect_right(self.line_starts, start)
         return Place(line, start - self.line_starts[line - 1] + 1, start, start if end is None else end)
 
+    def lines(self) -> list[str]:
+        """The text line by line, without line ends."""
+        return _LINE_END.split(self.text)
+
     def error(self, start: int, message: str) -> SpecError:
         """An error at the character at offset `start`."""
         place = self.place(min(max(start, 0), len(self.text)))

@@ -1,0 +1,359 @@
+"""Located nodes → typed parts, going on after every error so that all of them are found at once.
+
+The types of `model` say which keys a part has and pydantic validates each value; this module walks them side by side with the nodes,
+so that every message has the place of the offending key or value. A part is checked further (`checks`) as soon as the fields that a
+check needs are valid, whatever else is wrong with it.
+
+Parts are remembered by node: the cases of a sweep share every part that the sweep does not touch.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cache
+from types import SimpleNamespace
+from typing import Annotated, Any, Final, Literal, get_args, get_origin
+
+from pydantic import ConfigDict, TypeAdapter, ValidationError
+from pydantic.fields import FieldInfo
+
+from equilux_scenes.checks import Context, Problem, checks_of
+from equilux_scenes.errors import SpecError, SpecErrors, hint, shortened
+from equilux_scenes.later import KINDS_OF_LATER_VERSIONS, TERMS_OF_LATER_VERSIONS
+from equilux_scenes.limits import exceeded
+from equilux_scenes.mesh import MeshError, TriangleMesh, triangle_areas
+from equilux_scenes.model import LIGHTING_MODELS, Mesh, Part, Scene
+from equilux_scenes.shown import label, owner, shown
+from equilux_scenes.values import Allowed, OnlyIn
+from equilux_scenes.yaml_tree import ListNode, MapNode, Node, Place, ScalarNode, YamlText, plain
+
+Path = tuple[str | int, ...]
+
+_STRICT = ConfigDict(strict=True, allow_inf_nan=False)
+
+
+class Invalid:
+    """Stands for a value whose errors have been reported."""
+
+
+INVALID: Final = Invalid()
+
+
+@dataclass(frozen=True)
+class _Leaf:
+    """A value that pydantic validates as a whole."""
+
+    adapter: TypeAdapter[Any]
+    allowed: Allowed
+    words: tuple[str, ...] = ()  # of a value that is one of several words
+
+
+@dataclass(frozen=True)
+class _PartOf:
+    """One of several parts, told apart by the key `discriminator`; or just one part."""
+
+    classes: tuple[type[Part], ...]
+    discriminator: str | None = None
+
+    def tags(self) -> dict[str, type[Part]]:
+        """Value of the discriminator → part."""
+        assert self.discriminator is not None
+        return {get_args(cls.model_fields[self.discriminator].annotation)[0]: cls for cls in self.classes}
+
+
+@dataclass(frozen=True)
+class _Many:
+    """A list of parts, or a mapping from names to parts."""
+
+    container: Literal["list", "mapping"]
+    of: _PartOf
+
+
+_Kind = _Leaf | _PartOf | _Many
+
+
+class Reader:
+    """Reads nodes of one text into typed parts, collecting errors. One reader serves the spec and all its cases."""
+
+    def __init__(self, source: YamlText, context: Context) -> None:
+        self.source = source
+        self.context = context
+        self.errors: list[SpecError] = []
+        self.warnings: list[SpecError] = []
+        self.part_at: dict[Path, type[Part]] = {}
+        self._meshes: dict[int, TriangleMesh] = {}
+        self._remembered: dict[tuple[int, int], tuple[Node, Any]] = {}
+
+    def scene(self, root: Node) -> Scene | None:
+        """The typed scene, or None with its errors collected."""
+        model = root.entries.get("model") if isinstance(root, MapNode) else None
+        self.context.model = model.value if isinstance(model, ScalarNode) and isinstance(model.value, str) else None
+        scene = self._part(_PartOf((Scene,)), root, ())
+        return scene if isinstance(scene, Scene) else None
+
+    def meshes(self, scene: Scene) -> dict[int, TriangleMesh]:
+        """Object index → mesh of a scene read by this reader."""
+        return {index: self._meshes[id(obj)] for index, obj in enumerate(scene.objects) if isinstance(obj, Mesh)}
+
+    def error(self, place: Place, message: str) -> SpecError:
+        """An error of this text."""
+        return SpecError(self.source.file, place.line, place.column, message)
+
+    def error_at(self, place: Place, message: str) -> None:
+        """Collect an error."""
+        self.errors.append(self.error(place, message))
+
+    def warn_at(self, place: Place, message: str) -> None:
+        """Collect a warning."""
+        self.warnings.append(self.error(place, message))
+
+    # --- values ---------------------------------------------------------------------------------------------------
+
+    def _value(self, kind: _Kind, node: Node, path: Path) -> Any:
+        key = (id(node), id(kind))
+        if key not in self._remembered:
+            # the node is kept, so that its id stays its own
+            self._remembered[key] = (node, self._read(kind, node, path))
+        return self._remembered[key][1]
+
+    def _read(self, kind: _Kind, node: Node, path: Path) -> Any:
+        if isinstance(kind, _Leaf):
+            return self._leaf(kind, node, path)
+        if isinstance(kind, _PartOf):
+            return self._part(kind, node, path)
+        return self._list(kind, node, path) if kind.container == "list" else self._mapping(kind, node, path)
+
+    def _leaf(self, leaf: _Leaf, node: Node, path: Path) -> Any:
+        try:
+            return leaf.adapter.validate_python(plain(node))
+        except ValidationError as failed:
+            places: set[int] = set()
+            for error in failed.errors(include_url=False, include_context=False, include_input=False):
+                found, inside = walk(node, error["loc"])
+                if found.place.start not in places:
+                    places.add(found.place.start)
+                    allowed = leaf.allowed.at_depth(len(inside))
+                    self._not_allowed(found, (*path, *inside), allowed, _word_note(leaf.words, str(path[-1]), found))
+            return INVALID
+
+    def _not_allowed(self, node: Node, path: Path, allowed: str, note: str = "") -> None:
+        part_path, rest = self._split(path)
+        self.error_at(node.place, f"{label(rest)} of {self._owner(part_path)}: got {shown(node)}, allowed {allowed}{note}")
+
+    def _split(self, path: Path) -> tuple[Path, Path]:
+        """A path as the path of the innermost part on it, and what follows inside that part."""
+        for length in range(len(path) - 1, -1, -1):
+            if path[:length] in self.part_at:
+                return path[:length], path[length:]
+        return (), path
+
+    def _owner(self, path: Path) -> str:
+        cls = self.part_at.get(path)
+        kind = cls.model_fields.get("kind") if cls is not None else None
+        return owner(path, get_args(kind.annotation)[0] if kind is not None and path[0] == "objects" else None)
+
+    # --- lists and mappings of parts ----------------------------------------------------------------------------
+
+    def _list(self, many: _Many, node: Node, path: Path) -> Any:
+        if not isinstance(node, ListNode):
+            self._not_allowed(node, path, "a list")
+            return INVALID
+        if not self._within_limit(len(node.items), node, path):
+            return INVALID
+        items = [self._value(many.of, item, (*path, index)) for index, item in enumerate(node.items)]
+        return INVALID if any(item is INVALID for item in items) else tuple(items)
+
+    def _mapping(self, many: _Many, node: Node, path: Path) -> Any:
+        if not isinstance(node, MapNode):
+            self._not_allowed(node, path, "a mapping from names")
+            return INVALID
+        if not self._within_limit(len(node.entries), node, path):
+            return INVALID
+        items = {name: self._value(many.of, item, (*path, name)) for name, item in node.entries.items()}
+        return INVALID if any(item is INVALID for item in items.values()) else items
+
+    def _within_limit(self, count: int, node: Node, path: Path) -> bool:
+        limit = getattr(self.context.limits, str(path[-1]), None)
+        if limit is None or count <= limit:
+            return True
+        self.error_at(node.place, exceeded(str(path[-1]), count, limit, f"{path[-1]} of the scene"))
+        return False
+
+    # --- parts ----------------------------------------------------------------------------------------------------
+
+    def _part(self, part: _PartOf, node: Node, path: Path) -> Any:
+        if not isinstance(node, MapNode):
+            what = owner(path, None)
+            self.error_at(node.place, f"{what}: got {shown(node)}, allowed a mapping")
+            return INVALID
+        cls = self._class(part, node, path)
+        if cls is None:
+            return INVALID
+        self.part_at[path] = cls
+        return self._fields(cls, node, path)
+
+    def _class(self, part: _PartOf, node: MapNode, path: Path) -> type[Part] | None:
+        if part.discriminator is None:
+            return part.classes[0]
+        tags = part.tags()
+        given = node.entries.get(part.discriminator)
+        if given is None:
+            self.error_at(node.place, f"missing key '{part.discriminator}' in {owner(path, None)}, allowed {', '.join(tags)}")
+            return None
+        if isinstance(given, ScalarNode) and isinstance(given.value, str) and given.value in tags:
+            return tags[given.value]
+        note = _word_note(tuple(tags), str(path[0]), given)
+        self.error_at(given.place, f"{part.discriminator} of {owner(path, None)}: got {shown(given)}, allowed {', '.join(tags)}{note}")
+        return None
+
+    def _fields(self, cls: type[Part], node: MapNode, path: Path) -> Any:
+        self._unknown_keys(cls, node, path)
+        errors = len(self.errors)
+        values: dict[str, Any] = {}
+        complete = True
+        for name, kind, field in fields_of(cls):
+            value = self._field(name, kind, field, node, path)
+            if value is INVALID:
+                complete = False
+            else:
+                values[name] = value
+        self._check(cls, values, node, path)
+        mesh = self._mesh(values, node, path) if issubclass(cls, Mesh) else None
+        if not complete or len(self.errors) > errors:
+            return INVALID
+        part = cls.model_construct(_fields_set=set(node.entries), **values)
+        if mesh is not None:
+            self._meshes[id(part)] = mesh
+        return part
+
+    def _field(self, name: str, kind: _Kind, field: FieldInfo, node: MapNode, path: Path) -> Any:
+        child = node.entries.get(name)
+        if child is None:
+            if not field.is_required():
+                return field.get_default(call_default_factory=True)
+            self.error_at(node.place, f"missing key '{name}' in {self._owner(path)}, allowed {_allowed_words(kind)}")
+            return INVALID
+        value = self._value(kind, child, (*path, name))
+        return value if value is INVALID or self._term_exists(value, field, child, (*path, name)) else INVALID
+
+    def _term_exists(self, value: Any, field: FieldInfo, node: Node, path: Path) -> bool:
+        """Whether the scene's model has the term, or it keeps its default."""
+        only = next((item for item in field.metadata if isinstance(item, OnlyIn)), None)
+        default = field.get_default(call_default_factory=True)
+        if only is None or value == default or self.context.model == only.model or self.context.model not in LIGHTING_MODELS:
+            return True
+        words = f"only its default in a '{self.context.model}' scene"
+        self._not_allowed(node, path, words, f" (the model '{only.model}' has this term)")
+        return False
+
+    def _unknown_keys(self, cls: type[Part], node: MapNode, path: Path) -> None:
+        for key, place in node.keys.items():
+            if key in cls.model_fields:
+                continue
+            later = TERMS_OF_LATER_VERSIONS.get((str(path[0]) if path else "", key))
+            known = ", ".join(cls.model_fields)
+            note = f", allowed {known} ({later})" if later else hint(key, cls.model_fields, otherwise=f", allowed {known}")
+            self.error_at(place, f"unknown key '{shortened(key)}' in {self._owner(path)}{note}")
+
+    def _check(self, cls: type[Part], values: dict[str, Any], node: MapNode, path: Path) -> None:
+        for check in checks_of(cls):
+            if all(name in values for name in check.needs):
+                for problem in check.run(SimpleNamespace(**values), node, self.context):
+                    self._problem(problem, node, path)
+
+    def _problem(self, problem: Problem, node: MapNode, path: Path) -> None:
+        found, inside = walk(node, problem.path)
+        if problem.message is not None:
+            self.error_at(problem.place or found.place, problem.message)
+        elif len(inside) == 0 and problem.path:  # the value is a default
+            self.error_at(found.place, f"{label(problem.path)} of {self._owner(path)}: not given, allowed {problem.allowed}{problem.note}")
+        else:
+            self._not_allowed(found, (*path, *inside), problem.allowed, problem.note)
+
+    def _mesh(self, values: dict[str, Any], node: MapNode, path: Path) -> TriangleMesh | None:
+        if not {"file", "vertices", "faces", "vertex_normals", "normals"} <= values.keys():
+            return None
+        try:
+            mesh = self.context.meshes.triangles(SimpleNamespace(**values), node)
+            if not triangle_areas(mesh).any():
+                self.warn_at(node.place, f"triangles of {self._owner(path)}: none of them has an area, so nothing is seen of it")
+            return mesh
+        except MeshError as failed:
+            self._problem(Problem(failed.path, failed.allowed, failed.note), node, path)
+        except SpecErrors as failed:  # located in the mesh file
+            self.errors.extend(failed.errors)
+        return None
+
+
+# --- what the types say ---------------------------------------------------------------------------------------------
+
+
+@cache
+def fields_of(cls: type[Part]) -> tuple[tuple[str, _Kind, FieldInfo], ...]:
+    """Name, kind of value and declaration of each field."""
+    return tuple((name, _kind(field.annotation, tuple(field.metadata), field.discriminator), field) for name, field in cls.model_fields.items())
+
+
+def _kind(annotation: Any, metadata: tuple[Any, ...], discriminator: Any) -> _Kind:
+    origin, arguments = get_origin(annotation), get_args(annotation)
+    if origin is Annotated:
+        field = next((item for item in annotation.__metadata__ if isinstance(item, FieldInfo)), None)
+        return _kind(annotation.__origin__, annotation.__metadata__, field.discriminator if field is not None else None)
+    parts = tuple(item for item in (arguments or (annotation,)) if isinstance(item, type) and issubclass(item, Part))
+    if origin is dict:
+        return _Many("mapping", _as_part(_kind(arguments[1], (), None)))
+    if origin is tuple and len(arguments) == 2 and arguments[1] is Ellipsis and arguments[0] is not Any:
+        of = _kind(arguments[0], (), None)
+        if isinstance(of, _PartOf):
+            return _Many("list", of)
+    if parts and origin is not tuple:
+        return _PartOf(parts, discriminator)
+    adapter: TypeAdapter[Any] = TypeAdapter(Annotated[annotation, *metadata] if metadata else annotation, config=_STRICT)
+    return _Leaf(adapter, _allowed(annotation, metadata), _words(annotation))
+
+
+def _as_part(kind: _Kind) -> _PartOf:
+    assert isinstance(kind, _PartOf)
+    return kind
+
+
+def _allowed(annotation: Any, metadata: tuple[Any, ...]) -> Allowed:
+    """The `Allowed` of a field, or of what its annotation is made of."""
+    found = next((item for item in metadata if isinstance(item, Allowed)), None)
+    if found is not None:
+        return found
+    for part in (annotation, *get_args(annotation)):
+        if get_origin(part) is Annotated:
+            return _allowed(part.__origin__, part.__metadata__)
+    return Allowed(f"{annotation}")
+
+
+def _words(annotation: Any) -> tuple[str, ...]:
+    return tuple(item for item in get_args(annotation) if isinstance(item, str)) if get_origin(annotation) is Literal else ()
+
+
+def _allowed_words(kind: _Kind) -> str:
+    if isinstance(kind, _Leaf):
+        return kind.allowed.text
+    return "a mapping" if isinstance(kind, _PartOf) or kind.container == "mapping" else "a list"
+
+
+def _word_note(words: tuple[str, ...], group: str, node: Node) -> str:
+    """The nearest of the words that are allowed, or why this one is not there yet."""
+    if not words or not isinstance(node, ScalarNode) or not isinstance(node.value, str):
+        return ""
+    later = {value: why for (where, value), why in KINDS_OF_LATER_VERSIONS.items() if where == group}
+    return f" ({later[node.value]})" if node.value in later else hint(node.value, [*words, *later])
+
+
+def walk(node: Node, path: Sequence[str | int]) -> tuple[Node, Path]:
+    """As far along `path` as there are nodes: the last one, and the part of the path that led there."""
+    for done, key in enumerate(path):
+        if isinstance(node, MapNode) and key in node.entries:
+            node = node.entries[str(key)]
+        elif isinstance(node, ListNode) and isinstance(key, int) and key < len(node.items):
+            node = node.items[key]
+        else:
+            return node, tuple(path[:done])
+    return node, tuple(path)

@@ -1,0 +1,119 @@
+"""The kinds of value that a spec is made of, each with the words that an error message and the JSON Schema use for it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Annotated, Any
+
+from pydantic import AfterValidator, BeforeValidator, Field, WithJsonSchema
+
+
+@dataclass(frozen=True)
+class Allowed:
+    """What a field takes, in words; `inside` says it for what lies one, two … levels deeper."""
+
+    text: str
+    inside: tuple[str, ...] = ()
+
+    def at_depth(self, depth: int) -> str:
+        """The words for a value `depth` levels inside the field's own."""
+        return (self.text, *self.inside)[min(depth, len(self.inside))]
+
+
+@dataclass(frozen=True)
+class OnlyIn:
+    """Marks a term that only some lighting models have; in a scene of any other model it must keep its default."""
+
+    model: str
+
+
+def _as_tuple(value: Any) -> Any:
+    return tuple(value) if isinstance(value, list) else value
+
+
+def _three_bands(value: Any) -> Any:
+    """One number stands for three equal bands."""
+    if isinstance(value, int | float) and not isinstance(value, bool):
+        return (value, value, value)
+    return _as_tuple(value)
+
+
+def _not_zero(vector: tuple[float, float, float]) -> tuple[float, float, float]:
+    if not any(vector):
+        raise ValueError("zero")
+    return vector
+
+
+def _all_not_zero(vector: tuple[float, float, float]) -> tuple[float, float, float]:
+    if not all(vector):
+        raise ValueError("zero")
+    return vector
+
+
+def _number_or_three(**number: Any) -> WithJsonSchema:
+    one = {"type": "number", **number}
+    three = {"type": "array", "items": one, "minItems": 3, "maxItems": 3}
+    return WithJsonSchema({"anyOf": [one, three]})
+
+
+Number = Annotated[float, Allowed("a finite number")]
+NonNegative = Annotated[float, Field(ge=0), Allowed("a number ≥ 0")]
+Positive = Annotated[float, Field(gt=0), Allowed("a number > 0")]
+Fraction = Annotated[float, Field(ge=0, le=1), Allowed("a number in [0, 1]")]
+Count = Annotated[int, Field(ge=1), Allowed("an integer ≥ 1")]
+Text = Annotated[str, Allowed("text")]
+
+Vector3 = Annotated[tuple[float, float, float], BeforeValidator(_as_tuple), Allowed("three numbers", ("a finite number",))]
+"""Three world coordinates, metres."""
+
+Direction = Annotated[
+    tuple[float, float, float],
+    BeforeValidator(_as_tuple),
+    AfterValidator(_not_zero),
+    Allowed("three numbers, not all 0", ("a finite number",)),
+]
+"""A direction of any length but 0."""
+
+Factors = Annotated[
+    tuple[float, float, float],
+    BeforeValidator(_three_bands),
+    AfterValidator(_all_not_zero),
+    Allowed("one number or three, none of them 0", ("a finite number other than 0",)),
+    _number_or_three(),
+]
+"""Scale factors along x, y and z; one number stands for three equal ones."""
+
+Bands = Annotated[
+    tuple[
+        Annotated[float, Field(ge=0)],
+        Annotated[float, Field(ge=0)],
+        Annotated[float, Field(ge=0)],
+    ],
+    BeforeValidator(_three_bands),
+    Allowed("one number ≥ 0 or three", ("a number ≥ 0",)),
+    _number_or_three(minimum=0),
+]
+"""One radiometric quantity in three linear bands; one number stands for three equal ones."""
+
+Points = Annotated[
+    tuple[Vector3, ...],
+    BeforeValidator(_as_tuple),
+    Allowed("a list of points, three numbers each", ("three numbers", "a finite number")),
+]
+Triangles = Annotated[
+    tuple[Annotated[tuple[Annotated[int, Field(ge=0)], Annotated[int, Field(ge=0)], Annotated[int, Field(ge=0)]], BeforeValidator(_as_tuple)], ...],
+    BeforeValidator(_as_tuple),
+    Field(min_length=1),
+    Allowed("a list of at least one triangle, three vertex numbers each", ("three vertex numbers", "an integer ≥ 0")),
+]  # fmt: skip
+Matrix4 = Annotated[
+    tuple[
+        Annotated[tuple[float, float, float, float], BeforeValidator(_as_tuple)],
+        Annotated[tuple[float, float, float, float], BeforeValidator(_as_tuple)],
+        Annotated[tuple[float, float, float, float], BeforeValidator(_as_tuple)],
+        Annotated[tuple[float, float, float, float], BeforeValidator(_as_tuple)],
+    ],
+    BeforeValidator(_as_tuple),
+    Allowed("four rows of four numbers", ("four numbers", "a finite number")),
+]
+"""4×4, row by row; acts on column vectors."""
