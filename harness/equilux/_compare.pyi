@@ -6,7 +6,7 @@ from typing import Any, TypedDict
 import numpy as np
 import numpy.typing as npt
 
-class Scores(TypedDict, total=False):
+class Scores(TypedDict):
     """Classes, normalised error and statistics of a pair; statistics are over the bands of pixels neither edge nor invalid."""
 
     agree: int
@@ -30,8 +30,6 @@ class Scores(TypedDict, total=False):
     first_invalid: int  # row-major index, or −1
     en_counts: list[int]  # en_edges[i] < |E_n| ≤ en_edges[i + 1]; the first bin reaches to 0, the last to ∞
     classes: npt.NDArray[np.uint8]  # (h, w): 0 agree, 1 diverge, 2 edge, 3 invalid
-    difference: npt.NDArray[np.float32]  # (h, w, 3): a − b; only with planes
-    normalised_error: npt.NDArray[np.float32]  # (h, w, 3): E_n, NaN where a or b is not finite; only with planes
 
 def compare(
     a: npt.NDArray[Any],
@@ -48,13 +46,15 @@ def compare(
     coverage_factor: float = 0.0,
     edge: npt.NDArray[np.uint8] | None = None,
     en_edges: Sequence[float],
-    planes: bool = True,
+    difference: npt.NDArray[np.float32] | None = None,
+    normalised_error: npt.NDArray[np.float32] | None = None,
     threads: int = 0,
 ) -> Scores:
     """Compare two C-contiguous (h, w, 3) images, float32 or float64 each.
 
     A side's bound is abs + rel |L| + per_pixel, of its own L; a pair's is B = bound_a + bound_b + coverage_factor √(σ_a² + σ_b²); a band
     agrees when |a − b| ≤ B, and E_n = (a − b)/B (ISO 13528), 0 where a = b whatever B is. A pixel has its worst band's class. `edge` excuses
-    pixels that would diverge. The result does not depend on `threads` (0: all). Raises ValueError on shapes that do not match, and on
+    pixels that would diverge. `difference` and `normalised_error`, (h, w, 3), are written where given: a − b, and E_n (NaN where a
+    or b is not finite; |E_n| ≤ 1 exactly where the band agrees). `en_edges` ascend by an eighth each at least. The result does not depend on `threads` (0: all). Raises ValueError on shapes that do not match, and on
     bounds that are negative or not finite where both radiances are finite.
     """

@@ -23,6 +23,7 @@ from equilux.uncertainty import Uncertainty
 from equilux.verdict import Judgement
 
 FloatImage = npt.NDArray[np.floating]
+Plane = npt.NDArray[np.float32]
 
 EN_EDGES: tuple[float, ...] = (0.0, *(10.0 ** (i / 4) for i in range(-24, 25)), float(np.finfo(np.float64).max))
 """Bins of the histogram of |E_n|: four per decade from 1e-6 to 1e6, 1 being an edge; the first bin reaches down to 0, the
@@ -102,14 +103,14 @@ def compare_pair(a: RenderedImage, b: RenderedImage, tracer: Reference | None, *
     image_a, image_b = _kernel_image(a.image), _kernel_image(b.image)
     k = uncertainty.coverage_factor(a.uncertainty, b.uncertainty, image_a.size)
     delta = edges.film_delta_px(a.uncertainty.film_px, b.uncertainty.film_px)
-    scores = _scores(image_a, image_b, a.uncertainty, b.uncertainty, k, delta, tracer)
+    scores, difference, normalised_error = _scores(image_a, image_b, a.uncertainty, b.uncertainty, k, delta, tracer)
     out = _fields(a, b, scores, image_a, image_b)
     out |= {"film_delta_px": delta, "coverage_factor": k}
     judgement = _judge(a, b, out, tracer)
     out |= {"verdict": judgement.verdict, "reason": judgement.reason}
     if flip:
         out["flip"] = _mean_flip(image_a, image_b)
-    return PairResult(out, _planes(scores))
+    return PairResult(out, _planes(difference, normalised_error, scores["classes"]))
 
 
 def write_pair(case_directory: Path, result: PairResult) -> None:
@@ -155,30 +156,30 @@ def _kernel_image(image: FloatImage) -> FloatImage:
 def _scores(
     image_a: FloatImage, image_b: FloatImage, stated_a: Uncertainty, stated_b: Uncertainty, k: float, delta_px: float,
     tracer: Reference | None,
-) -> _compare.Scores:
-    """Classes and statistics, in a second pass with the edges excused where there are any."""
+) -> tuple[_compare.Scores, Plane, Plane]:
+    """Scores, a − b and E_n; the scores from a second pass, with the edges excused, where there are any."""
 
-    def run(edge: npt.NDArray[np.uint8] | None, planes: bool) -> _compare.Scores:
+    difference, normalised_error = np.empty(image_a.shape, np.float32), np.empty(image_a.shape, np.float32)
+
+    def run(edge: npt.NDArray[np.uint8] | None) -> _compare.Scores:
         return _compare.compare(
             image_a, image_b, abs_a=stated_a.abs, rel_a=stated_a.rel, per_pixel_a=stated_a.per_pixel, sigma_a=stated_a.sigma,
             abs_b=stated_b.abs, rel_b=stated_b.rel, per_pixel_b=stated_b.per_pixel, sigma_b=stated_b.sigma,
-            coverage_factor=k, edge=edge, en_edges=EN_EDGES, planes=planes,
+            coverage_factor=k, edge=edge, en_edges=EN_EDGES, difference=difference, normalised_error=normalised_error,
         )  # fmt: skip
 
-    scores = run(None, True)
+    scores = run(None)
     if not scores["diverge"] or tracer is None:
-        return scores
+        return scores, difference, normalised_error
     candidates = np.flatnonzero(scores["classes"] == DIVERGE)
     a, b = (image.reshape(-1, 3)[candidates].astype(np.float64) for image in (image_a, image_b))
     bound = pair_bound(a, b, stated_a, stated_b, k, candidates)
     is_edge = edges.edge_pixels(candidates, image_a.shape[1], a, b, bound, delta_px, tracer)
     if not is_edge.any():
-        return scores
+        return scores, difference, normalised_error
     mask = np.zeros(scores["classes"].shape, np.uint8)
     mask.reshape(-1)[candidates[is_edge]] = 1
-    again = run(mask, False)  # the planes do not depend on edges
-    again["difference"], again["normalised_error"] = scores["difference"], scores["normalised_error"]
-    return again
+    return run(mask), difference, normalised_error
 
 
 def pair_bound(
@@ -245,11 +246,11 @@ def _pixel(index: int, image_a: FloatImage, image_b: FloatImage) -> dict[str, An
     return {"x": x, "y": y, "a": [_number(float(v)) for v in image_a[y, x]], "b": [_number(float(v)) for v in image_b[y, x]]}
 
 
-def _planes(scores: _compare.Scores) -> dict[str, npt.NDArray[Any]]:
+def _planes(difference: Plane, normalised_error: Plane, classes: npt.NDArray[np.uint8]) -> dict[str, npt.NDArray[Any]]:
     out: dict[str, npt.NDArray[Any]] = {}
-    for prefix, image in (("", scores["difference"]), ("en.", scores["normalised_error"])):
+    for prefix, image in (("", difference), ("en.", normalised_error)):
         out |= {prefix + band: image[..., i] for i, band in enumerate("RGB")}
-    return out | {"class": scores["classes"]}
+    return out | {"class": classes}
 
 
 # --- verdict ----------------------------------------------------------------------------------------------------------

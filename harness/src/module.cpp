@@ -20,17 +20,23 @@ namespace {
 
 using Image = nb::ndarray<nb::ro, nb::c_contig, nb::device::cpu>;
 using Floats = nb::ndarray<const float, nb::shape<-1, -1, 3>, nb::c_contig, nb::device::cpu>;
+using Plane = nb::ndarray<float, nb::shape<-1, -1, 3>, nb::c_contig, nb::device::cpu>;
 using Mask = nb::ndarray<const std::uint8_t, nb::shape<-1, -1>, nb::c_contig, nb::device::cpu>;
 
-template <class Scalar>
-nb::ndarray<nb::numpy, Scalar> owned(std::unique_ptr<Scalar[]>& data, std::initializer_list<std::size_t> shape) {
-  Scalar* raw = data.release();
-  nb::capsule owner(raw, [](void* p) noexcept { delete[] static_cast<Scalar*>(p); });
-  return nb::ndarray<nb::numpy, Scalar>(raw, shape, owner);
+nb::ndarray<nb::numpy, std::uint8_t> owned(std::unique_ptr<std::uint8_t[]>& data, std::initializer_list<std::size_t> shape) {
+  std::uint8_t* raw = data.release();
+  nb::capsule owner(raw, [](void* p) noexcept { delete[] static_cast<std::uint8_t*>(p); });
+  return nb::ndarray<nb::numpy, std::uint8_t>(raw, shape, owner);
 }
 
 void require(bool holds, const char* message) {
   if (!holds) throw nb::value_error(message);
+}
+
+/// Where to write a plane: the caller's memory, because NumPy asks for huge pages, without which page faults take longer than the scoring.
+float* plane(const std::optional<Plane>& out, std::size_t height, std::size_t width) {
+  require(!out || (out->shape(0) == height && out->shape(1) == width), "a plane must have the size of the image");
+  return out ? out->data() : nullptr;
 }
 
 equilux::Side side(const Image& image, const Image& shape, double abs, double rel, const std::optional<Floats>& per_pixel,
@@ -85,7 +91,8 @@ nb::dict to_dict(const equilux::Result& result) {
 nb::dict compare(const Image& a, const Image& b, double abs_a, double rel_a, const std::optional<Floats>& per_pixel_a,
                  const std::optional<Floats>& sigma_a, double abs_b, double rel_b, const std::optional<Floats>& per_pixel_b,
                  const std::optional<Floats>& sigma_b, double coverage_factor, const std::optional<Mask>& edge,
-                 const std::vector<double>& en_edges, bool planes, unsigned threads) {
+                 const std::vector<double>& en_edges, const std::optional<Plane>& difference,
+                 const std::optional<Plane>& normalised_error, unsigned threads) {
   equilux::Job job;
   job.a = side(a, a, abs_a, rel_a, per_pixel_a, sigma_a);
   job.b = side(b, a, abs_b, rel_b, per_pixel_b, sigma_b);
@@ -101,16 +108,10 @@ nb::dict compare(const Image& a, const Image& b, double abs_a, double rel_a, con
   job.en_edges = en_edges;
   job.threads = threads;
 
-  // Left uninitialised on purpose: the kernel writes every element.
-  std::unique_ptr<std::uint8_t[]> classes(new std::uint8_t[job.pixels]);
-  std::unique_ptr<float[]> difference, normalised;
-  if (planes) {
-    difference.reset(new float[3 * job.pixels]);
-    normalised.reset(new float[3 * job.pixels]);
-  }
+  std::unique_ptr<std::uint8_t[]> classes(new std::uint8_t[job.pixels]);  // uninitialised: the kernel writes every element
   job.classes = classes.get();
-  job.difference = difference.get();
-  job.normalised_error = normalised.get();
+  job.difference = plane(difference, height, width);
+  job.normalised_error = plane(normalised_error, height, width);
 
   equilux::Result result;
   {
@@ -119,10 +120,6 @@ nb::dict compare(const Image& a, const Image& b, double abs_a, double rel_a, con
   }
   nb::dict out = to_dict(result);
   out["classes"] = owned(classes, {height, width});
-  if (planes) {
-    out["difference"] = owned(difference, {height, width, 3});
-    out["normalised_error"] = owned(normalised, {height, width, 3});
-  }
   return out;
 }
 
@@ -132,6 +129,7 @@ NB_MODULE(_compare, m) {
   m.doc() = "Comparison kernel of equilux: classes, normalised error and statistics of a pair of radiance images.";
   m.def("compare", &compare, "a"_a, "b"_a, nb::kw_only(), "abs_a"_a = 0.0, "rel_a"_a = 0.0, "per_pixel_a"_a = nb::none(),
         "sigma_a"_a = nb::none(), "abs_b"_a = 0.0, "rel_b"_a = 0.0, "per_pixel_b"_a = nb::none(), "sigma_b"_a = nb::none(),
-        "coverage_factor"_a = 0.0, "edge"_a = nb::none(), "en_edges"_a, "planes"_a = true, "threads"_a = 0u,
+        "coverage_factor"_a = 0.0, "edge"_a = nb::none(), "en_edges"_a, "difference"_a = nb::none(),
+        "normalised_error"_a = nb::none(), "threads"_a = 0u,
         "Classes, normalised error and statistics; see the typed stub.");
 }
