@@ -12,6 +12,7 @@ import numpy as np
 
 from equilux.adapter import Case, Program, Unsupported
 from equilux_adapters.vtk.capabilities import CAPABILITIES
+from equilux_adapters.vtk.coincident import set_backs
 from equilux_adapters.vtk.geometry import geometry_of
 from equilux_adapters.vtk.knobs import VtkKnobs
 from equilux_adapters.vtk.source import kit_source, names_in
@@ -45,8 +46,7 @@ def translate(case: Case, knobs: VtkKnobs) -> Program:
 
 def script(case: Case, knobs: VtkKnobs) -> str:
     """The scene in VTK's words first, then the functions it needs and no others."""
-    scene = case.scene
-    body = "\n".join(["def picture() -> tuple[Array, str]:", *(f"    {line}".rstrip() for line in _body(scene, knobs))])
+    body = "\n".join(["def picture() -> tuple[Array, str]:", *(f"    {line}".rstrip() for line in _body(case, knobs))])
     main = 'if __name__ == "__main__":\n    np.save("image.npy", picture()[0])'
     imports, functions = kit_source(names_in(body) | {"np", "Array"})
     future = "from __future__ import annotations\n"
@@ -66,7 +66,8 @@ def _head(case: Case) -> str:
     return "\n".join(f"# {line}".rstrip() for line in lines)
 
 
-def _body(scene: Scene, knobs: VtkKnobs) -> list[str]:
+def _body(case: Case, knobs: VtkKnobs) -> list[str]:
+    scene = case.scene
     surfaces = _surface_names(scene.objects)
     lines = [*_view(scene), ""]
     for key, name in surfaces.items():
@@ -76,6 +77,8 @@ def _body(scene: Scene, knobs: VtkKnobs) -> list[str]:
         (f"({_shape(index, obj, knobs)}, {surfaces[obj.material]})", f"objects[{index}]") for index, obj in enumerate(scene.objects)
     ]
     lines += _list("objects", objects)
+    if any(steps := set_backs(case)):  # Q12
+        lines.append(f"objects = set_back(view, objects, steps={tuple(steps)})")
     return [*lines, f"return render(view, {_tuple(scene.background)}, lights, objects)"]
 
 

@@ -45,19 +45,27 @@ def in_frame(view: View, mesh: Mesh, margin: float = 1.1) -> Mesh:
     Nothing is cut near or far: the side planes meet in the eye, and of a parallel view only what is behind the eye's plane goes.
     """
     points, triangles = np.concatenate([mesh.points, mesh.normals], axis=1), mesh.triangles
-    film = np.concatenate([margin * view.half_width * np.array([[1, 0], [-1, 0]]), margin * view.half_height * np.array([[0, 1], [0, -1]])])
-    for side in film:
-        x, y, depth = seen_from(view, points[:, :3]).T
-        room = (side @ side) * (1.0 if view.parallel else depth) - side[0] * x - side[1] * y
-        points, triangles, _ = cut(points, triangles, room)
+    x, y = margin * view.half_width, margin * view.half_height
+    for side in ((1 / x, 0.0), (-1 / x, 0.0), (0.0, 1 / y), (0.0, -1 / y)):
+        across = seen_from(view, points[:, :3])
+        room = (1.0 if view.parallel else across[:, 2]) - across[:, :2] @ side
+        points, triangles = only_inside(points, triangles, room)
     depth = seen_from(view, points[:, :3])[:, 2]
-    used = depth[triangles]
-    floor = 0.0 if view.parallel else 1e-9 * np.max(used, initial=0.0)
-    points, triangles, _ = cut(points, triangles, depth - floor)
+    floor = 0.0 if view.parallel else 1e-9 * np.max(depth[triangles], initial=0.0)
+    points, triangles = only_inside(points, triangles, depth - floor)
     if not view.parallel:
         points, triangles = in_slices(view, points, triangles)
-    used, index = np.unique(triangles, return_inverse=True)
-    return Mesh(points[used, :3], points[used, 3:], index.reshape(-1, 3))
+    return Mesh(points[:, :3], points[:, 3:], triangles)
+
+
+def only_inside(points: Array, triangles: Array, distance: Array) -> tuple[Array, Array]:
+    """What is on the side of distance ≥ 0, without points that no triangle uses."""
+    if np.min(distance, initial=0.0) >= 0:
+        return points, triangles
+    points, triangles, _ = cut(points, triangles, distance)
+    used = np.zeros(len(points), dtype=bool)
+    used[triangles] = True
+    return points[used], (np.cumsum(used) - 1)[triangles]
 
 
 def in_slices(view: View, points: Array, triangles: Array) -> tuple[Array, Array]:

@@ -21,6 +21,40 @@ FACET_MIN_PX = 1 / 64
 behind."""
 
 
+CHORD_PX = 1 / 64
+"""How far on the film a chord may stay off its circle, at 256 segments."""
+
+
+@dataclass(frozen=True)
+class Scale:
+    """Size on the film of one unit of length in object space, in pixels: where and along which it is smallest, and largest.
+
+    stretch: the transform's largest factor by its smallest.
+    """
+
+    small: float
+    large: float
+    stretch: float
+
+
+def film_scale(view: View, matrix: Array | None, points: Array, reach: float) -> Scale:
+    """The scale near `points` of object space, give or take `reach`.
+
+    What is nearer than a thousandth of the farthest depth counts as that, and what is more than four times as far as the nearest as
+    four times: no division serves both ends of what reaches over more.
+    """
+    linear, shift = (np.eye(3), np.zeros(3)) if matrix is None else (np.asarray(matrix, dtype=float)[:3, :3], np.asarray(matrix)[:3, 3])
+    factors = np.linalg.svd(linear, compute_uv=False)
+    if view.parallel:
+        return Scale(view.pixels_per_unit * factors[-1], view.pixels_per_unit * factors[0], factors[0] / factors[-1])
+    depth = (np.atleast_2d(points) @ linear.T + (shift - view.eye)) @ view.forward
+    far = max(float(np.max(depth) + reach * factors[0]), 1e-300)
+    near = min(max(float(np.min(depth) - reach * factors[0]), far / 1e3), far)
+    oblique = np.sqrt(1 + view.half_height**2 + view.half_width**2)
+    small, large = view.pixels_per_unit * factors[-1] / min(far, 4 * near), view.pixels_per_unit * factors[0] / near * oblique
+    return Scale(small, large, factors[0] / factors[-1])
+
+
 @dataclass(frozen=True)
 class Round:
     """How a circle (or a sphere's meridian) is seen, and how it is divided.
@@ -35,11 +69,8 @@ class Round:
     across: Array
 
 
-def divide(distance: float, segments: int, radius_px: float, stretch: float = 1.0) -> Round:
-    """Angles of a unit circle seen from `distance` (inf: parallel rays), at a tolerance of (2π/segments)²/8 on the normal.
-
-    radius_px: the radius on the film, pixels. stretch: largest by smallest factor of the object's transform.
-    """
+def divide(distance: float, segments: int, radius: float, scale: Scale) -> Round:
+    """Angles of a circle seen from `distance` radii away (inf: parallel rays), at a tolerance of (2π/segments)²/8 on the normal."""
 
     def steepness(angles: Array) -> Array:
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -47,8 +78,9 @@ def divide(distance: float, segments: int, radius_px: float, stretch: float = 1.
                 return np.abs(np.tan(angles))
             return distance * np.abs(np.sin(angles)) / np.abs(distance * np.cos(angles) - 1)
 
-    tolerance = (2 * np.pi / segments) ** 2 / 8 / stretch
-    largest, smallest = 2 * np.pi / segments / np.sqrt(2), FACET_MIN_PX / radius_px
+    tolerance = (2 * np.pi / segments) ** 2 / 8 / scale.stretch
+    smallest = FACET_MIN_PX / (radius * scale.small)
+    largest = 2 * np.pi / max(segments * np.sqrt(2), sectors(segments, radius, scale))
 
     def wanted(tan_i: Array) -> Array:
         return np.minimum(np.sqrt(4 * tolerance / np.maximum(tan_i, 1e-300)), largest)
@@ -77,6 +109,12 @@ def divide(distance: float, segments: int, radius_px: float, stretch: float = 1.
     return Round(angles, rim_index, tan_i, np.maximum(wanted(inner), 2 * smallest))
 
 
+def sectors(segments: int, radius: float, scale: Scale) -> int:
+    """How many equal chords keep within CHORD_PX of a circle; (256/segments)² times that at other settings."""
+    allowed = CHORD_PX * (256 / segments) ** 2
+    return int(np.clip(np.ceil(np.pi * np.sqrt(radius * scale.large / 2 / allowed)), 8, 16 * segments))
+
+
 def axes_towards(direction: Array) -> Array:
     """(3, 3): rows u, v, w, right-handed and unit, w along `direction`."""
     w = np.asarray(direction, dtype=float) / np.linalg.norm(direction)
@@ -94,29 +132,14 @@ def eye_in_object(view: View, matrix: Array | None) -> tuple[Array, Array]:
     return inverse @ (view.eye - matrix[:3, 3]), -inverse @ view.forward
 
 
-def pixels_per_length(view: View, matrix: Array | None, points: Array, reach: float) -> tuple[float, float]:
-    """Pixels on the film per unit of length in object space near `points`, give or take `reach`; and the transform's stretch.
-
-    At the far end, but no more than four times as far as the near end, and along the transform's most shrunken direction.
-    """
-    linear, shift = (np.eye(3), np.zeros(3)) if matrix is None else (np.asarray(matrix, dtype=float)[:3, :3], np.asarray(matrix)[:3, 3])
-    factors = np.linalg.svd(linear, compute_uv=False)
-    if view.parallel:
-        return view.pixels_per_unit * factors[-1], factors[0] / factors[-1]
-    depth = (np.atleast_2d(points) @ linear.T + (shift - view.eye)) @ view.forward
-    far = max(np.max(depth) + reach * factors[0], 1e-300)
-    near = min(max(np.min(depth) - reach * factors[0], far / 1e3), far)
-    return view.pixels_per_unit * factors[-1] / min(far, 4 * near), factors[0] / factors[-1]
-
-
 def sphere_division(view: View, center: Array, radius: float, segments: int, matrix: Array | None = None) -> tuple[Array, Round, Array]:
     """Axes (w towards the eye), the meridian's division, and the number of points on each parallel (a power of two times 8)."""
     center = np.asarray(center, dtype=float)
     eye, against = eye_in_object(view, matrix)
     axes = axes_towards(against if view.parallel or np.allclose(eye, center, rtol=0, atol=1e-12 * radius) else eye - center)
-    scale, stretch = pixels_per_length(view, matrix, center, radius)
+    scale = film_scale(view, matrix, center, radius)
     distance = np.inf if view.parallel else float(np.linalg.norm(eye - center)) / radius
-    meridian = divide(distance, segments, radius * scale, stretch)
+    meridian = divide(distance, segments, radius, scale)
     levels = np.ceil(np.log2(np.maximum(2 * np.pi * np.sin(meridian.angles) / meridian.across / 8, 1))).astype(int)
     # parallels next to each other differ by a factor of two at most
     for k in range(len(levels) - 2, 0, -1):

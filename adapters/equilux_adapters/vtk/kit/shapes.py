@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from equilux_adapters.vtk.kit.clip import cut
-from equilux_adapters.vtk.kit.round import Round, axes_towards, divide, eye_in_object, pixels_per_length, sphere_division
+from equilux_adapters.vtk.kit.round import Round, axes_towards, divide, eye_in_object, film_scale, sectors, sphere_division
 from equilux_adapters.vtk.kit.view import Mesh, View, place
 
 Array = Any
@@ -69,9 +69,9 @@ def cylinder_division(view: View, base: Array, top: Array, radius: float, segmen
     aside = np.array([towards @ u, towards @ v])
     if np.linalg.norm(aside) > 1e-9 * np.linalg.norm(towards):
         u, v = (aside[0] * u + aside[1] * v) / np.linalg.norm(aside), (aside[0] * v - aside[1] * u) / np.linalg.norm(aside)
-    scale, stretch = pixels_per_length(view, matrix, np.stack([base, top]), radius)
+    scale = film_scale(view, matrix, np.stack([base, top]), radius)
     distance = np.inf if view.parallel else float(np.linalg.norm(aside)) / radius
-    return np.stack([u, v, w]), divide(distance, segments, radius * scale, stretch)
+    return np.stack([u, v, w]), divide(distance, segments, radius, scale)
 
 
 def cylinder(
@@ -100,11 +100,12 @@ def cylinder(
 def disc(view: View, center: Array, normal: Array, radius: float, segments: int, matrix: Array | None = None) -> Mesh:
     """A fan of equal sectors."""
     axes = axes_towards(normal)
-    turn = 2 * np.pi * np.arange(segments) / segments
+    count = sectors(segments, radius, film_scale(view, matrix, np.asarray(center, dtype=float), radius))
+    turn = 2 * np.pi * np.arange(count) / count
     rim = np.asarray(center, dtype=float) + radius * (np.cos(turn)[:, None] * axes[0] + np.sin(turn)[:, None] * axes[1])
-    j = np.arange(segments)
-    triangles = np.stack([np.full(segments, segments), j, (j + 1) % segments], axis=1)
-    return place(view, np.concatenate([rim, [center]]), np.tile(axes[2], (segments + 1, 1)), triangles, matrix)
+    j = np.arange(count)
+    triangles = np.stack([np.full(count, count), j, (j + 1) % count], axis=1)
+    return place(view, np.concatenate([rim, [center]]), np.tile(axes[2], (count + 1, 1)), triangles, matrix)
 
 
 def rectangle(view: View, corner: Array, edge_u: Array, edge_v: Array, matrix: Array | None = None) -> Mesh:

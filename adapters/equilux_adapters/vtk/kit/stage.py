@@ -18,6 +18,7 @@ from vtkmodules.vtkRenderingOpenGL2 import (
     vtkOpaquePass,
     vtkOSOpenGLRenderWindow,
     vtkPixelBufferObject,
+    vtkRenderPassCollection,
     vtkSequencePass,
     vtkTextureObject,
 )
@@ -92,6 +93,29 @@ def clipping_range(view: View, meshes: Iterable[Mesh]) -> tuple[float, float]:
     return (near - room if view.parallel else 0.999 * near), far + room
 
 
+DEPTH_STEP = 2.0**-20
+"""Distance in the depth buffer, which has 24 digits between 1/2 and 1, that surely separates two surfaces."""
+
+
+def set_back(view: View, objects: list[tuple[Mesh, vtkProperty]], steps: Iterable[int]) -> list[tuple[Mesh, vtkProperty]]:
+    """Draw objects that lie in one surface a few steps of the depth buffer apart, so that the first is seen.
+
+    Points move along the rays they are seen by: 1/depth (depth, of a parallel view) changes by a constant, which keeps their place on
+    the film, and flat things flat.
+    """
+    seen = [in_frame(view, mesh) for mesh, _ in objects]
+    near, far = clipping_range(view, seen)
+    result = []
+    for mesh, (_, surface), count in zip(seen, objects, steps, strict=True):
+        if view.parallel:
+            points = mesh.points + count * DEPTH_STEP * (far - near) * view.forward
+        else:
+            depth = seen_from(view, mesh.points)[:, 2:]
+            points = mesh.points / np.maximum(1 - count * DEPTH_STEP * (1 / near - 1 / far) * depth, 0.5)
+        result.append((Mesh(points, mesh.normals, mesh.triangles), surface))
+    return result
+
+
 def offscreen_window(width: int, height: int) -> Any:
     """A window that needs no display: software OSMesa where there is one, else EGL without a surface."""
     for kind in (vtkOSOpenGLRenderWindow, vtkEGLRenderWindow):
@@ -107,10 +131,7 @@ def offscreen_window(width: int, height: int) -> Any:
 
 def float_radiance() -> vtkFramebufferPass:
     """The frame in a texture of 32-bit floats: the window's own buffer has 8 bits and clamps at 1."""
-    steps = vtkSequencePass()
-    camera, frame = vtkCameraPass(), vtkFramebufferPass()
-    from vtkmodules.vtkRenderingOpenGL2 import vtkRenderPassCollection
-
+    steps, camera, frame = vtkSequencePass(), vtkCameraPass(), vtkFramebufferPass()
     passes = vtkRenderPassCollection()
     passes.AddItem(vtkLightsPass())
     passes.AddItem(vtkOpaquePass())
