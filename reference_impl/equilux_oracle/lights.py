@@ -58,7 +58,7 @@ def _point(light: PointLight, eye: tuple[float, float, float]) -> Callable[[DD],
 
     def at(point: DD) -> Arriving:
         to_light = position - point
-        return Arriving(to_light, bands / attenuation(light.attenuation, to_light.hi), np.full(point.hi.shape[1], FROM_POINTS))
+        return Arriving(to_light, weakened(bands, light.attenuation, to_light.hi), np.full(point.hi.shape[1], FROM_POINTS))
 
     return at
 
@@ -70,15 +70,17 @@ def _spot(light: SpotLight, eye: tuple[float, float, float]) -> Callable[[DD], A
     def at(point: DD) -> Arriving:
         to_light = position - point
         factor, error = spot_factor(-dot(to_light, axis) / norm(to_light), edge, light.exponent)
-        return Arriving(to_light, bands / attenuation(light.attenuation, to_light.hi) * factor, FROM_POINTS + 1 + error)
+        return Arriving(to_light, weakened(bands, light.attenuation, to_light.hi) * factor, FROM_POINTS + 1 + error)
 
     return at
 
 
-def attenuation(law: Attenuation, to_light: Array) -> Array:
-    """d_c + d_l r + d_q r² for vectors (3, n)."""
-    r2: Array = np.sum(to_light**2, axis=0)
-    return law.constant + law.linear * np.sqrt(r2) + law.quadratic * r2
+def weakened(bands: Array, law: Attenuation, to_light: Array) -> Array:
+    """I / (d_c + d_l r + d_q r²) for bands (3, 1) and vectors (3, n); Inf at the light itself, where nothing is added."""
+    r2 = np.sum(to_light**2, axis=0)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        value: Array = bands / (law.constant + law.linear * np.sqrt(r2) + law.quadratic * r2)
+    return value
 
 
 def spot_factor(cosine: DD, edge: DD, exponent: float) -> tuple[Array, Array]:

@@ -164,7 +164,8 @@ def _shape(rng: random.Random, kind: str, center: Triple) -> Spec:
     if kind == "disc":
         return {"center": center, "normal": axis, "radius": size}
     if kind == "cylinder":
-        return {"base": center, "top": _at(center, [size * c for c in axis]), "radius": rng.uniform(0.2, 0.5), "capped": rng.random() < 0.5}
+        top, radius = _at(center, [size * c for c in axis]), rng.uniform(0.2, 0.5)
+        return {"base": center, "top": top, "radius": radius, "capped": rng.random() < 0.5}
     across = _cross(axis, _direction(rng))
     length = math.hypot(*across)
     u = [c / length for c in across]

@@ -16,5 +16,5 @@ def program_of(case: Case) -> Program:
     lacking = equilux_oracle.supports(case)
     if lacking:
         raise Unsupported(lacking, f"no closed form for {', '.join(lacking)}")
-    text = case.scene.model_dump_json(indent=1, exclude={"about", "sweep", "expect"})
+    text = case.scene.model_dump_json(indent=1, exclude={"about", "sweep", "expect"}, exclude_defaults=True, exclude_none=True)
     return Program({SCENE_FILE: (text + "\n").encode(), COMMAND_FILE: COMMAND.encode()}, SCENE_FILE)
