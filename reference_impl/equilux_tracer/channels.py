@@ -32,6 +32,7 @@ CHANNELS: dict[str, Channel] = {
     "ambient": Channel("K_amb L_amb, W/(m²·sr)", np.float64),
     "diffuse": Channel("E_i g_i K_diff (N·L_i) of each light, W/(m²·sr)", np.float64, per_light=True),
     "specular": Channel("E_i g_i K_spec max(0, R_i·V)^p of each light, W/(m²·sr)", np.float64, per_light=True),
+    "rounding": Channel("bound on the arithmetic error of the radiance, W/(m²·sr); derived in phong.h", np.float64),
     "object_id": Channel("index in scene.objects, −1 where the ray misses", np.int32, ()),
     "depth": Channel("distance along the unit ray, m; inf where the ray misses", np.float64, ()),
     "normal": Channel("N, unit, world, on the viewer's side; 0 where the ray misses", np.float64),

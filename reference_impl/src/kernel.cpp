@@ -35,6 +35,7 @@ template <class F> void write_miss(const World& world, const Outputs& out, std::
       if (out.diffuse) write(out.diffuse, i * lights + k, Bands{});
       if (out.specular) write(out.specular, i * lights + k, Bands{});
     }
+    if (out.rounding) write(out.rounding, i, Bands{});
     if (out.object_id) out.object_id[i] = -1;
     if (out.depth) out.depth[i] = std::numeric_limits<double>::infinity();
     if (out.normal) write(out.normal, i, Vec3d{});
@@ -51,12 +52,22 @@ void write_geometry(const World& world, const SurfacePoint& point, const Outputs
   if (out.position) write(out.position, i, to_double(point.position + exactly(world.camera.eye)));
 }
 
+// What one light may add to the error, lit or not, in units of Rounding::unit.
+Bands rounding_of_light(const Light& light, const Arriving& arriving, const MaterialDescription& material) {
+  if (!arriving.in_cone) return {};
+  const double spot = light.given.kind == LightKind::spot ? Rounding::cone(light.given.exponent) : 0;
+  const Bands reflected = material.diffuse + material.specular;
+  const Bands local = material.diffuse * Rounding::diffuse + material.specular * Rounding::lobe(material.exponent);
+  return light.given.strength * (local * arriving.share + reflected * (spot * arriving.attenuated));
+}
+
 template <class F> void shade(const World& world, const SurfacePoint& point, const Outputs& out, std::size_t i) {
   const MaterialDescription& material =
       world.description.materials[static_cast<std::size_t>(world.objects[static_cast<std::size_t>(point.object)].material)];
   const Vec3d normal = to_double(point.normal), to_viewer = to_double(point.to_viewer);
   const Bands ambient = material.ambient * world.description.ambient;
   Bands radiance = material.emission + ambient;
+  Bands rounding;
   Signature signature(point);
   const std::size_t lights = world.lights.size();
 
@@ -86,6 +97,7 @@ template <class F> void shade(const World& world, const SurfacePoint& point, con
     if constexpr (F::channels) {
       if (out.diffuse) write(out.diffuse, i * lights + k, diffuse);
       if (out.specular) write(out.specular, i * lights + k, specular);
+      rounding = rounding + rounding_of_light(world.lights[k], arriving, material);
       signature.add_light(in_front, arriving.in_cone, mirrored && material.exponent < 1);
     }
   }
@@ -93,6 +105,7 @@ template <class F> void shade(const World& world, const SurfacePoint& point, con
   if constexpr (F::channels) {
     if (out.emission) write(out.emission, i, material.emission);
     if (out.ambient) write(out.ambient, i, ambient);
+    if (out.rounding) write(out.rounding, i, (rounding + radiance * (static_cast<double>(lights) + 3)) * Rounding::unit);
     if (out.signature) out.signature[i] = signature.value();
     write_geometry(world, point, out, i);
   }

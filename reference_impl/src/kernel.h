@@ -33,6 +33,7 @@ struct Outputs {
   double* ambient = nullptr;    // 3
   double* diffuse = nullptr;    // lights × 3
   double* specular = nullptr;   // lights × 3
+  double* rounding = nullptr;   // 3: bound on the arithmetic error of radiance, derived in phong.h
   std::int32_t* object_id = nullptr;
   double* depth = nullptr;      // distance along the unit ray, inf on a miss
   double* normal = nullptr;     // 3; 0 on a miss
@@ -40,7 +41,7 @@ struct Outputs {
   std::uint64_t* signature = nullptr;
 
   bool only_radiance() const {
-    return !emission && !ambient && !diffuse && !specular && !object_id && !depth && !normal && !position && !signature;
+    return !emission && !ambient && !diffuse && !specular && !rounding && !object_id && !depth && !normal && !position && !signature;
   }
 };
 

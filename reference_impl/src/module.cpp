@@ -116,6 +116,7 @@ void trace(const World& world, const std::optional<ConstDoubles>& film_xy, nb::d
   out.ambient = output<double>(arrays, "ambient", 3 * n);
   out.diffuse = output<double>(arrays, "diffuse", 3 * n * lights);
   out.specular = output<double>(arrays, "specular", 3 * n * lights);
+  out.rounding = output<double>(arrays, "rounding", 3 * n);
   out.object_id = output<std::int32_t>(arrays, "object_id", n);
   out.depth = output<double>(arrays, "depth", n);
   out.normal = output<double>(arrays, "normal", 3 * n);

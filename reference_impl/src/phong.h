@@ -2,16 +2,19 @@
 //
 //     L(V) = K_emit + K_amb L_amb + Σ_i E_i g_i [ K_diff (N·L_i) + K_spec max(0, R_i·V)^p ],   R = 2 (N·L) N − L
 //
-// Where the digits go. P, N, V and L come in double-double (relative 1e-28 and better, after the amplification by distant small spheres and
-// narrow views); shading rounds the unit vectors to double, each component to 2^-53. What is then left:
-//   N·L                    absolute error ≤ 4·2^-53: fine next to E K_diff.
-//   max(0, R·V)^p          with d = |R − V|, cos = 1 − d²/2, and δ ≈ 8·2^-53 the error of R − V: the error of the highlight is
-//                          p d e^(−p d²/2) δ ≤ √(p/e) δ: 1.7e-14 at p = 1000, 5e-13 at 1e6. (A rounded cosine would make it p·2^-53
-//                          at the peak: 1.1e-13 and 1.1e-10.)
-//   R·V near 0, small p    p (R·V)^(p−1) is unbounded: below 2^-10 the cosine is taken in double-double.
+// Where the digits go. P, N, V and L come in double-double (relative 1e-28 and better, after the amplification by distant small spheres
+// and narrow views), so what is left is the rounding of the shading itself, in double; u = 2^-53, p the exponent:
+//   E                      r², √, the attenuation and a quotient: relative 8 u.
+//   N, V; L                rounded components: |δN|, |δV| ≤ u; scaled by 1/r: |δL| ≤ 5 u.
+//   N·L                    |δN| + |δL| + 3 u for the sum: 9 u. With E and three products: 20 u E K_diff.
+//   R − V                  2 |δN| + 2 δ(N·L) + |δL| + |δV| + 4 u = 30 u =: δ.
+//   max(0, R·V)^p          with d = |R − V|, cos = 1 − d²/2: p d e^(−p d²/2) δ ≤ √(p/e) δ = 18 √p u. (From a rounded cosine it would be
+//                          p × 9 u at the peak, 30 times as much at p = 1000.) exp and log1p add 2 u, E and products 11 u.
+//                          p < 1: p cos^(p−1) is unbounded, so below 1/8 the cosine is taken in double-double; above, 45 u.
+//   the sum                (lights + 3) u L.
 //   gates and cones        compared in double; where rounding could tip them, in double-double. There |x| ≤ 2^-85 counts as 0, so a
 //                          light in a surface's own plane is not in front of it, and a point on the cone is inside it.
-// All far below 1e-12 × E (K_diff + K_spec).
+// That is the bound of channel `rounding`: 7e-14 × E (K_diff + K_spec) at p = 1000.
 #pragma once
 
 #include "surface.h"
@@ -26,20 +29,31 @@ struct Arriving {
   double position_size = 0;  // |P| / r: how much larger than 2^-104 the rounding of L is
   bool in_cone = true;
   double share = 0;      // E = strength × share
+  double attenuated = 0;  // the same without the cone's cos^e: what the rounding of cos^e is relative to
 };
 
 constexpr double exact_zero = 0x1p-85;
+
+// Bounds derived above, in units of u = 2^-53.
+struct Rounding {
+  static constexpr double unit = 0x1p-53;
+  static constexpr double diffuse = 20;
+  static double lobe(double exponent) { return (exponent < 1 ? 45 : 0) + 18 * std::sqrt(exponent) + 13; }
+  static double cone(double exponent) { return exponent > 0 ? lobe(exponent) : 0; }  // |−L − axis| has an error below δ
+};
 
 // max(0, cos)^exponent of the angle between unit vectors u and v, 0 where cos ≤ 0, for every exponent. exact_cosine() is asked for only
 // where the double's digits do not suffice.
 template <class ExactCosine>
 double power_of_cosine(const Vec3d& u, const Vec3d& v, double exponent, const ExactCosine& exact_cosine) {
   const Vec3d apart = u - v;
-  const double half_square = 0.5 * dot(apart, apart);  // 1 − cos
-  if (half_square > 1 + 0x1p-10) return 0;
-  if (half_square < 1 - 0x1p-10) return std::exp(exponent * std::log1p(-half_square));
-  const double cosine = exact_cosine();
-  return cosine > exact_zero ? std::pow(cosine, exponent) : 0;
+  const double versine = 0.5 * dot(apart, apart), cosine = 1 - versine;
+  if (cosine < -0x1p-40) return 0;
+  if (cosine < (exponent < 1 ? 0.125 : 0x1p-40)) {
+    const double exact = exact_cosine();
+    return exact > exact_zero ? std::pow(exact, exponent) : 0;
+  }
+  return std::exp(exponent * std::log1p(-versine));
 }
 
 template <bool Spot> Arriving arriving_light(const Light& light, const SurfacePoint& point) {
@@ -48,7 +62,7 @@ template <bool Spot> Arriving arriving_light(const Light& light, const SurfacePo
     arriving.toward = light.to_light;
     arriving.to_light = light.to_light_rounded;
     arriving.distance = 1;
-    arriving.share = 1;
+    arriving.share = arriving.attenuated = 1;
     return arriving;
   }
   arriving.toward = light.position - point.position;
@@ -58,7 +72,7 @@ template <bool Spot> Arriving arriving_light(const Light& light, const SurfacePo
   arriving.distance = r;
   arriving.to_light = toward * (1 / r);
   arriving.position_size = largest(to_double(point.position)) / r;
-  arriving.share = 1 / (light.given.constant + light.given.linear * r + light.given.quadratic * r2);
+  arriving.share = arriving.attenuated = 1 / (light.given.constant + light.given.linear * r + light.given.quadratic * r2);
   if constexpr (Spot) {
     if (light.given.kind == LightKind::spot) {
       const Vec3d away = -arriving.to_light;

@@ -1,0 +1,19 @@
+"""Arrays → linear radiance and its budget."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from equilux.adapter import Bound, Budget, RawRender, Reading
+
+
+def read(raw: RawRender) -> Reading:
+    """(h, w, 3) float64, row 0 on top: nothing is rounded on the way."""
+    image = np.load(raw.files["radiance"], allow_pickle=False)
+    arithmetic = Bound(
+        "arithmetic",
+        "rounding of the shading in double precision, per pixel, term by term (derived in reference_impl/src/phong.h); the geometry "
+        "is found in double-double and adds nothing to it",
+        abs=np.load(raw.files["rounding"], allow_pickle=False),
+    )
+    return Reading(image, Budget((arithmetic,)))
