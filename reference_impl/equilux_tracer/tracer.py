@@ -7,8 +7,8 @@ from typing import Any, Literal
 
 import numpy as np
 import numpy.typing as npt
-
 from equilux_scenes.case import Case
+
 from equilux_tracer import _tracer
 from equilux_tracer.channels import CHANNELS
 from equilux_tracer.describe import describe
@@ -22,8 +22,8 @@ Arrays = dict[str, npt.NDArray[Any]]
 class Tracer:
     """One case, prepared once; afterwards any number of threads may use it at the same time.
 
-    case: what to render. precision: "exact" is double and double-double (phong.h says how many digits that leaves). Raises TracerError
-    for a scene whose sizes or distances (beyond 1e60 m) or transform (singular) cannot be computed with.
+    case: what to render. precision: "exact" is double and double-double (phong.h says how many digits that leaves). Raises
+    TracerError for a scene whose sizes or distances (beyond 1e60 m) or transform (singular) cannot be computed with.
     """
 
     def __init__(self, case: Case, *, precision: Literal["exact"] = "exact") -> None:
@@ -38,8 +38,9 @@ class Tracer:
     ) -> Arrays:
         """The whole film, sampled at pixel centres, row 0 on top.
 
-        channels: names from CHANNELS; each comes back with leading shape (height, width). threads: 0 means one per core; the result does
-        not depend on it. cancel: another thread may stop the render through it. Raises TracerError for an unknown channel, Cancelled.
+        channels: names from CHANNELS; each comes back with leading shape (height, width). threads: 0 means one per core; the
+        result does not depend on it. cancel: another thread may stop the render through it. Raises TracerError for an unknown
+        channel, Cancelled.
         """
         film = self.case.scene.film
         return self._trace(channels, (film.height, film.width), None, threads, cancel)
@@ -54,11 +55,46 @@ class Tracer:
     ) -> Arrays:
         """Like `render`, at film positions of the caller's choice.
 
-        film_xy: (n, 2), x to the right and y down in pixels; (0.5, 0.5) is the centre of the top-left pixel. Positions off the film are
-        fine. Each channel comes back with leading shape (n,).
+        film_xy: (n, 2), x to the right and y down in pixels; (0.5, 0.5) is the centre of the top-left pixel. Positions off the
+        film are fine. Each channel comes back with leading shape (n,).
         """
         positions = _positions(film_xy)
         return self._trace(channels, (len(positions),), positions, threads, cancel)
+
+    def sensitivity(
+        self,
+        normal: npt.ArrayLike,
+        position_m: npt.ArrayLike,
+        *,
+        film_xy: npt.ArrayLike | None = None,
+        threads: int = 0,
+        cancel: _tracer.Cancel | None = None,
+    ) -> npt.NDArray[np.float64]:
+        """How far the radiance of each sample may be off when normals and positions are.
+
+        W/(m²·sr), (h, w, 3), or (n, 3) at `film_xy`. normal: bound on |ΔN| of the unit shading normal; position_m: bound on |ΔP|,
+        metres; each one number, or one per object. With δN, δP those of the object seen, and t₁, t₂ two tangent directions
+        (the project's rule for *geometric* uncertainty):
+
+            Σ over t₁, t₂ of max± |L(N ± δN t) − L(N)|  +  Σ over t₁, t₂, N of max± |L(P ± δP u) − L(P)|
+
+        Steps have full size; N is made unit again; V follows P in perspective. The path signature is held: the gate of each
+        highlight and each cone stay as they are. The diffuse term has no jump and follows max(0, N·L). A miss gives 0. Raises
+        TracerError for a bound that is negative or not finite, Cancelled.
+        """
+        objects = len(self.case.scene.objects)
+        positions = None if film_xy is None else _positions(film_xy)
+        film = self.case.scene.film
+        result = np.empty((film.height, film.width, 3) if positions is None else (len(positions), 3))
+        self._world.sensitivity(
+            film_xy=positions,
+            normal=_per_object(normal, objects),
+            position_m=_per_object(position_m, objects),
+            result=result,
+            threads=threads,
+            cancel=cancel,
+        )
+        return result
 
     def _trace(
         self,
@@ -81,3 +117,10 @@ def _positions(film_xy: npt.ArrayLike) -> npt.NDArray[np.float64]:
     if positions.ndim != 2 or positions.shape[1] != 2:
         raise _tracer.TracerError(f"film_xy: got shape {positions.shape}, allowed (n, 2)")
     return positions
+
+
+def _per_object(bound: npt.ArrayLike, objects: int) -> npt.NDArray[np.float64]:
+    values = np.asarray(bound, dtype=np.float64)
+    if values.ndim and values.shape != (objects,):
+        raise _tracer.TracerError(f"bounds: got shape {values.shape}, allowed one number or ({objects},)")
+    return np.ascontiguousarray(np.broadcast_to(values, (objects,)))

@@ -10,6 +10,7 @@
 
 #include "embree_shim.h"
 #include "kernel.h"
+#include "sensitivity.h"
 
 namespace nb = nanobind;
 
@@ -130,6 +131,27 @@ void trace(const World& world, const std::optional<ConstDoubles>& film_xy, nb::d
   finish(complete);
 }
 
+std::vector<double> per_object(const ConstDoubles& array, std::size_t objects, const char* what) {
+  const auto usable = [](double v) { return v >= 0 && std::isfinite(v); };
+  if (array.size() != objects) throw TracerError(std::string(what) + ": expected one number per object");
+  if (!std::all_of(array.data(), array.data() + objects, usable)) throw TracerError(std::string(what) + ": negative or not finite");
+  return {array.data(), array.data() + objects};
+}
+
+void trace_sensitivity(const World& world, const std::optional<ConstDoubles>& film_xy, const ConstDoubles& normal,
+                       const ConstDoubles& position_m, Doubles result, int threads, const Cancel* cancel) {
+  const Samples samples = samples_of(world, film_xy);
+  const std::size_t objects = world.objects.size();
+  const GeometricBounds bounds{per_object(normal, objects, "normal"), per_object(position_m, objects, "position_m")};
+  if (result.size() != 3 * samples.count) throw TracerError("result: array of the wrong size");
+  bool complete;
+  {
+    const nb::gil_scoped_release release;
+    complete = sensitivity(world, samples, bounds, result.data(), threads, cancel, python_signal_pending);
+  }
+  finish(complete);
+}
+
 }  // namespace
 }  // namespace equilux
 
@@ -214,5 +236,7 @@ NB_MODULE(_tracer, m) {
             new (self) World(scene);
           },
           nb::arg("scene"))
-      .def("trace", &trace, nb::kw_only(), nb::arg("film_xy").none(), nb::arg("arrays"), nb::arg("threads"), nb::arg("cancel").none());
+      .def("trace", &trace, nb::kw_only(), nb::arg("film_xy").none(), nb::arg("arrays"), nb::arg("threads"), nb::arg("cancel").none())
+      .def("sensitivity", &trace_sensitivity, nb::kw_only(), nb::arg("film_xy").none(), nb::arg("normal"), nb::arg("position_m"),
+           nb::arg("result"), nb::arg("threads"), nb::arg("cancel").none());
 }

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import ClassVar
 
 from equilux.adapter import API_VERSION, Capability, Case, Knobs, Limits, Probe, Program, RawRender, Reading
+
 from equilux_adapters.reference.knobs import ReferenceKnobs
 
 __all__ = ["ADAPTER", "ReferenceAdapter"]
@@ -31,7 +32,7 @@ class ReferenceAdapter:
     def probe(self) -> Probe:
         """Whether the extension was built; that it loads shows when it is first used."""
         found = util.find_spec("equilux_tracer") is not None and util.find_spec("equilux_tracer._tracer") is not None
-        return Probe(found, "equilux_tracer._tracer" if found else "the extension equilux_tracer._tracer is not built (make setup)")
+        return Probe(found, "equilux_tracer._tracer" if found else "equilux_tracer._tracer is not built (make setup)")
 
     def capabilities(self) -> Mapping[str, Capability]:
         """Feature → capability: everything there is, exactly."""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-
 from equilux.adapter import Bound, Budget, RawRender, Reading
 
 
@@ -12,8 +11,8 @@ def read(raw: RawRender) -> Reading:
     image = np.load(raw.files["radiance"], allow_pickle=False)
     arithmetic = Bound(
         "arithmetic",
-        "rounding of the shading in double precision, per pixel, term by term (derived in reference_impl/src/phong.h); the geometry "
-        "is found in double-double and adds nothing to it",
+        "rounding of the shading in double precision, per pixel, term by term (derived in reference_impl/src/phong.h); the "
+        "geometry is found in double-double and adds nothing to it",
         abs=np.load(raw.files["rounding"], allow_pickle=False),
     )
     return Reading(image, Budget((arithmetic,)))

@@ -6,7 +6,6 @@ import io
 
 import numpy as np
 import numpy.typing as npt
-
 from equilux.adapter import Case, Program
 
 ENTRY = "scene.json"

@@ -1,0 +1,108 @@
+"""The exact Phong tracer of equilux: Embree finds candidates, double and double-double decide and shade."""
+
+import enum
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+embree_version: str
+
+_Triple = Sequence[float]
+_Doubles = npt.NDArray[np.float64]
+
+class TracerError(ValueError):
+    """A scene, a channel or an array that the tracer refuses; the message says which and why."""
+
+class Cancelled(RuntimeError):
+    """The render was stopped through its Cancel before it was complete."""
+
+class Projection(enum.Enum):
+    perspective = 0
+    orthographic = 1
+
+class LightKind(enum.Enum):
+    point = 0
+    directional = 1
+    spot = 2
+
+class ShapeKind(enum.Enum):
+    sphere = 0
+    plane = 1
+    box = 2
+    disc = 3
+    rectangle = 4
+    cylinder = 5
+    mesh = 6
+
+class Cancel:
+    """Stops a render from another thread: pass it as `cancel`, then call `cancel()`."""
+
+    def __init__(self) -> None: ...
+    def cancel(self) -> None:
+        """Ask to stop; the render raises Cancelled soon after."""
+
+    @property
+    def cancelled(self) -> bool: ...
+
+class SceneDescription:
+    """The scene as plain numbers, world coordinates, SI units."""
+
+    def __init__(self) -> None: ...
+    def set_camera(
+        self, *, projection: Projection, eye: _Triple, target: _Triple, up: _Triple, fov_y_deg: float = 0.0, height_m: float = 0.0
+    ) -> None: ...
+    def set_film(self, width: int, height: int) -> None: ...
+    def set_surroundings(self, *, ambient: _Triple, background: _Triple) -> None: ...
+    def add_light(
+        self,
+        *,
+        kind: LightKind,
+        strength: _Triple,
+        position: _Triple = ...,
+        direction: _Triple = ...,
+        attenuation: _Triple = ...,
+        cone_half_angle_deg: float = 90.0,
+        exponent: float = 0.0,
+    ) -> None: ...
+    def add_material(
+        self, *, diffuse: _Triple, specular: _Triple, exponent: float, ambient: _Triple, emission: _Triple
+    ) -> int: ...
+    def add_mesh(
+        self, *, vertices: _Doubles, faces: npt.NDArray[np.int64], vertex_normals: _Doubles | None
+    ) -> int: ...
+    def add_object(
+        self,
+        *,
+        kind: ShapeKind,
+        material: int,
+        matrix: Sequence[float],
+        a: _Triple = ...,
+        b: _Triple = ...,
+        c: _Triple = ...,
+        radius: float = 0.0,
+        capped: bool = True,
+        mesh: int = -1,
+    ) -> None: ...
+
+class World:
+    """A scene prepared for tracing; read-only, any number of threads may trace it."""
+
+    def __init__(self, scene: SceneDescription) -> None: ...
+    def trace(
+        self, *, film_xy: _Doubles | None, arrays: dict[str, npt.NDArray[Any]], threads: int, cancel: Cancel | None
+    ) -> None:
+        """Fill the arrays, keyed by channel name, each with as many elements as the samples need."""
+
+    def sensitivity(
+        self,
+        *,
+        film_xy: _Doubles | None,
+        normal: _Doubles,
+        position_m: _Doubles,
+        result: _Doubles,
+        threads: int,
+        cancel: Cancel | None,
+    ) -> None:
+        """Fill `result`, three bands per sample."""

@@ -1,0 +1,122 @@
+#include "sensitivity.h"
+
+#include <algorithm>
+
+#include "phong.h"
+#include "precision.h"
+
+namespace equilux {
+namespace {
+
+// A surface point in double, and what its lights did there: the signature to be held. Steps are many orders larger than a double's
+// rounding, which is why no double-double is needed here.
+struct Held {
+  const World* world = nullptr;
+  const MaterialDescription* material = nullptr;
+  Vec3d position, normal, to_viewer;
+  std::vector<char> in_front, in_cone;
+};
+
+// max(0, cos)^p
+double power(double cosine, double exponent) { return cosine > 0 ? std::pow(cosine, exponent) : 0; }
+
+Bands from_light(const Held& at, std::size_t k, const Vec3d& position, const Vec3d& normal, const Vec3d& to_viewer) {
+  if (!at.in_cone[k]) return {};
+  const Light& light = at.world->lights[k];
+  const LightDescription& given = light.given;
+  Vec3d to_light = light.to_light_rounded;
+  double share = 1;
+  if (given.kind != LightKind::directional) {
+    const Vec3d toward = to_double(light.position) - position;
+    const double r2 = dot(toward, toward), r = std::sqrt(r2);
+    if (r == 0) return {};
+    to_light = toward * (1 / r);
+    share = 1 / (given.constant + given.linear * r + given.quadratic * r2);
+    if (given.kind == LightKind::spot && given.exponent > 0) share *= power(-dot(to_light, light.axis_rounded), given.exponent);
+  }
+  const double cosine = dot(normal, to_light);
+  Bands reflected = at.material->diffuse * std::max(0.0, cosine);
+  if (at.in_front[k] && at.material->specular.any()) {
+    const double mirrored = 2 * cosine * dot(normal, to_viewer) - dot(to_light, to_viewer);
+    reflected = reflected + at.material->specular * power(mirrored, at.material->exponent);
+  }
+  return given.strength * reflected * share;
+}
+
+// What changes with N and P; emission and ambient do not.
+Bands reflected(const Held& at, const Vec3d& position, const Vec3d& normal, const Vec3d& to_viewer) {
+  Bands sum;
+  for (std::size_t k = 0; k < at.world->lights.size(); ++k) sum = sum + from_light(at, k, position, normal, to_viewer);
+  return sum;
+}
+
+Bands with_normal(const Held& at, const Vec3d& step) { return reflected(at, at.position, unit(at.normal + step), at.to_viewer); }
+
+Bands with_position(const Held& at, const Vec3d& step) {
+  const Vec3d position = at.position + step;
+  const bool follows = at.world->camera.perspective() && largest(position) > 0;
+  return reflected(at, position, at.normal, follows ? -unit(position) : at.to_viewer);
+}
+
+Bands larger_change(const Bands& base, const Bands& plus, const Bands& minus) {
+  const auto change = [](double here, double a, double b) { return std::max(std::fabs(a - here), std::fabs(b - here)); };
+  return {change(base.r, plus.r, minus.r), change(base.g, plus.g, minus.g), change(base.b, plus.b, minus.b)};
+}
+
+void hold(const World& world, const SurfacePoint& point, Held& at) {
+  at.world = &world;
+  at.material = &world.description.materials[static_cast<std::size_t>(world.objects[static_cast<std::size_t>(point.object)].material)];
+  at.position = to_double(point.position);
+  at.normal = to_double(point.normal);
+  at.to_viewer = to_double(point.to_viewer);
+  for (std::size_t k = 0; k < world.lights.size(); ++k) {
+    const Arriving arriving = arriving_light<true>(world.lights[k], point);
+    at.in_cone[k] = arriving.in_cone;
+    at.in_front[k] = cosine_to_light(point, at.normal, arriving) > 0;
+  }
+}
+
+Bands change_of(const Held& at, double normal_step, double position_step) {
+  Vec3d tangent[2];
+  complete_frame(at.normal, tangent[0], tangent[1]);
+  const Bands base = reflected(at, at.position, at.normal, at.to_viewer);
+  Bands total;
+  for (const Vec3d& t : tangent) {
+    if (normal_step > 0) total = total + larger_change(base, with_normal(at, t * normal_step), with_normal(at, t * -normal_step));
+  }
+  for (const Vec3d& u : {tangent[0], tangent[1], at.normal}) {
+    if (position_step > 0) total = total + larger_change(base, with_position(at, u * position_step), with_position(at, u * -position_step));
+  }
+  return total;
+}
+
+}  // namespace
+
+bool sensitivity(const World& world, const Samples& samples, const GeometricBounds& bounds, double* out, int threads,
+                 const Cancel* cancel, const Interrupted& interrupted) {
+  const std::size_t objects = world.objects.size();
+  if (bounds.normal.size() != objects || bounds.position_m.size() != objects) throw TracerError("sensitivity: one bound per object");
+  return for_each_chunk(samples.count, threads, cancel, interrupted, [&](std::size_t begin, std::size_t end) {
+    Search search;
+    search.world = &world;
+    SurfacePoint point;
+    Held at;
+    at.in_front.resize(world.lights.size());
+    at.in_cone.resize(world.lights.size());
+    for (std::size_t i = begin; i < end; ++i) {
+      double x, y;
+      samples.position(i, x, y);
+      Bands total;
+      if (Exact::find(world, search, x, y, point)) {
+        const std::size_t object = static_cast<std::size_t>(point.object);
+        hold(world, point, at);
+        total = change_of(at, bounds.normal[object], bounds.position_m[object]);
+      }
+      out[3 * i] = total.r;
+      out[3 * i + 1] = total.g;
+      out[3 * i + 2] = total.b;
+    }
+  });
+}
+
+}  // namespace equilux
