@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from equilux_scenes.expectation import applies
 from equilux_scenes.features import required_features
 from equilux_scenes.mesh import TriangleMesh
 from equilux_scenes.model import Expectation, Mesh, Object, Scene
@@ -18,9 +19,9 @@ from equilux_scenes.transforms import matrix
 class Case:
     """One picture to render.
 
-    name: the scene's name, with its axes (`clay-ball[exponent=1000]`); it names the folder in the results tree. scene: the typed scene,
-    axes fixed, `sweep` empty. axes: axis → value, in file order. source: the spec's file; folder: where its mesh files are. meshes:
-    object index → mesh in object space, normals resolved.
+    name: the scene's name, with its axes (`clay-ball[exponent=1000]`); it names the folder in the results tree. scene: the typed
+    scene, axes fixed, `sweep` empty. axes: axis → value, in file order. source: the spec's file. folder: where its mesh files
+    are. meshes: object index → mesh in object space, normals resolved.
     """
 
     name: str
@@ -44,15 +45,13 @@ class Case:
     @property
     def expectations(self) -> tuple[Expectation, ...]:
         """The scene's expectations that apply to this case: those whose `when` holds for its axes."""
-        from equilux_scenes.expectation import applies
-
         return tuple(expectation for expectation in self.scene.expect if applies(expectation, self.axes))
 
     def canonical(self) -> bytes:
         """What determines the picture, and nothing else, as canonical JSON (UTF-8).
 
-        Names, `about`, `expect`, sweeps, unused materials and the way a number or transform is written do not enter; meshes enter by
-        content. Two cases with equal bytes have equal pictures.
+        Names, `about`, `expect`, sweeps, unused materials and the way a number or transform is written do not enter; meshes enter
+        by content. Two cases with equal bytes have equal pictures.
         """
         scene = self.scene
         content = {

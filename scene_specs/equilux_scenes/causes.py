@@ -1,4 +1,7 @@
-"""The named rules by which a renderer departs from a scene's model. The ids are fixed: reports, specs and scripts rely on them."""
+"""The named rules by which a renderer departs from a scene's model.
+
+The ids are fixed: reports, specs and scripts rely on them.
+"""
 
 from __future__ import annotations
 

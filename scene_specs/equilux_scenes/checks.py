@@ -1,7 +1,7 @@
 """What must hold between the values of one part, beyond each value's own type.
 
-A check names the fields that it needs and runs as soon as those are valid, so that one wrong value hides no other error. Checks of
-whole scenes look at nodes, for the same reason.
+A check names the fields that it needs and runs as soon as those are valid, so that one wrong value hides no other error. Checks
+of whole scenes look at nodes, for the same reason.
 """
 
 from __future__ import annotations

@@ -67,7 +67,8 @@ class _Expansion:
         if scene is None or errors:
             return None
         axes = {pick.axis.name: plain(pick.value) for pick in picks}
-        return Case(name, scene.model_copy(update={"sweep": {}}), scene.name, axes, self.path, self.folder, self.reader.meshes(scene))
+        fixed = scene.model_copy(update={"sweep": {}})
+        return Case(name, fixed, scene.name, axes, self.path, self.folder, self.reader.meshes(scene))
 
     def _report(self, error: SpecError) -> None:
         if error not in self.found:

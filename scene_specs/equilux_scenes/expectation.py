@@ -1,10 +1,11 @@
 """When a pinned divergence is expected: a tiny grammar over sweep axes, parsed here and never evaluated as code.
 
-    when = term {"or" term};  term = comparison {"and" comparison};  comparison = axis ("<"|"<="|">"|">="|"=="|"!=") number
+when = term {"or" term};  term = comparison {"and" comparison};  comparison = axis ("<"|"<="|">"|">="|"=="|"!=") number
 """
 
 from __future__ import annotations
 
+import math
 import operator
 import re
 from collections.abc import Callable, Mapping
@@ -87,8 +88,11 @@ def parse_when(text: str) -> When:
 
 def _tokens(text: str) -> list[tuple[str, str, int]]:
     """(kind, text, offset), last first, so that `pop` reads in order."""
-    found = [(match.lastgroup or "", match.group(match.lastgroup or 0), match.start(match.lastgroup or 0)) for match in _TOKEN.finditer(text)]
-    return [*found, ("end", "", len(text))][::-1]
+    found = [("end", "", len(text))]
+    for match in _TOKEN.finditer(text):
+        kind = match.lastgroup or "other"
+        found.append((kind, match[kind], match.start(kind)))
+    return [found[0], *reversed(found[1:])]
 
 
 def _comparison(tokens: list[tuple[str, str, int]]) -> Comparison:
@@ -97,6 +101,8 @@ def _comparison(tokens: list[tuple[str, str, int]]) -> Comparison:
         raise WhenError(f"got '{axis[1]}', allowed the name of a sweep axis ({_ALLOWED})", axis[2])
     compare = _expect(tokens, "operator", "one of < <= > >= == !=")
     number = _expect(tokens, "number", "a number")
+    if not math.isfinite(float(number[1])):
+        raise WhenError(f"got '{shortened(number[1])}', allowed a finite number ({_ALLOWED})", number[2])
     return Comparison(axis[1], compare[1], float(number[1]), axis[2])
 
 

@@ -1,7 +1,7 @@
 """Which features a scene requires, computed from its content and never declared by hand.
 
-They select the adapters that can take part, and what each of them emits: a scene without a spot light has no spot statement in any
-program.
+They select the adapters that can take part, and what each of them emits: a scene without a spot light has no spot statement in
+any program.
 """
 
 from __future__ import annotations

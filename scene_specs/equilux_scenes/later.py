@@ -6,6 +6,7 @@ Each lighting model that arrives moves its words from here into `model`.
 from __future__ import annotations
 
 _PHOTOMETRY = "spectra and photometric units are not in this version"
+_MODEL = "this version does not have that lighting model yet"
 _EMITTERS = "the model 'reflection-equation', which is not in this version, has it"
 
 TERMS_OF_LATER_VERSIONS: dict[tuple[str, str], str] = {
@@ -18,6 +19,6 @@ TERMS_OF_LATER_VERSIONS: dict[tuple[str, str], str] = {
 
 KINDS_OF_LATER_VERSIONS: dict[tuple[str, str], str] = {
     **{("lights", kind): _EMITTERS for kind in ("sphere", "disc", "rectangle", "environment")},
-    **{("model", model): "this version does not have that lighting model yet" for model in ("opengl", "raytraced", "reflection-equation")},
+    **{("model", model): _MODEL for model in ("opengl", "raytraced", "reflection-equation")},
 }
 """(group of parts or key, value) → why it is not there."""

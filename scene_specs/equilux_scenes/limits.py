@@ -7,14 +7,18 @@ from dataclasses import dataclass, fields
 
 from equilux_scenes.errors import hint, shortened
 
+_DEEPEST = 200
+"""Nodes are read without recursion but turned into values with it, and Python's own stack has room for some 1000 calls."""
+
 
 @dataclass(frozen=True)
 class Limits:
     """Defaults a normal user never meets; `--limit NAME=V` raises one.
 
-    file_bytes: size of one spec. nesting: depth of lists and mappings in it. nodes: values in it, aliases counted as often as they are
-    used. aliases: uses of YAML anchors. pixels: film width × height. objects, lights, materials: of one scene. cases: of one scene's
-    sweep. mesh_bytes: size of one mesh file. triangles, vertices: of one mesh. errors: reported per file before the rest is only counted.
+    file_bytes: size of one spec. nesting: depth of lists and mappings in it, at most 200. nodes: values in it, aliases counted as
+    often as they are used. aliases: uses of YAML anchors. pixels: film width × height. objects, lights, materials: of one scene.
+    cases: of one scene's sweep. mesh_bytes: size of one mesh file. triangles, vertices: of one mesh. errors: reported per file
+    before the rest is only counted.
     """
 
     file_bytes: int = 4 << 20
@@ -47,8 +51,10 @@ class Limits:
                     f"--limit {shortened(option)}: unknown limit '{shortened(name)}', allowed {', '.join(cls.names())}"
                     + hint(name, cls.names())
                 )
-            if not (text.isascii() and text.isdigit() and 1 <= len(text) <= 18 and int(text) >= 1):
-                raise ValueError(f"--limit {shortened(option)}: got '{shortened(text)}', allowed an integer ≥ 1 (as in {name}=100)")
+            most = _DEEPEST if name == "nesting" else 10**18
+            if not (text.isascii() and text.isdigit() and len(text) <= 18 and 1 <= int(text) <= most):
+                allowed = f"an integer from 1 to {most}"
+                raise ValueError(f"--limit {shortened(option)}: got '{shortened(text)}', allowed {allowed} (as in {name}=100)")
             values[name] = int(text)
         return cls(**values)
 

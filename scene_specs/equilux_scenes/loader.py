@@ -29,9 +29,9 @@ __all__ = ["Limits", "SceneFile", "SpecError", "SpecErrors", "corpus_folder", "l
 class SceneFile:
     """One spec that was read.
 
-    scene: as written, its sweep included. path: the file, None for a text. cases: in file order; one for a scene without sweep.
-    warnings: what is allowed and probably not meant. expect_comments: per expectation, the YAML comment beside it. name_place: line
-    and column of the scene's name.
+    scene: as written, its sweep included. path: the file, None for a text. cases: the last axis varies fastest; one for a scene
+    without sweep. warnings: what is allowed and probably not meant. expect_comments: per expectation, the YAML comment beside it.
+    name_place: line and column of the scene's name.
     """
 
     scene: Scene

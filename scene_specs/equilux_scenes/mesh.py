@@ -50,8 +50,8 @@ def shaded(mesh: TriangleMesh, normals: Literal["flat", "smooth"]) -> TriangleMe
     """A mesh as read (its vertex normals as written, or None) → as it is shaded.
 
     `flat` drops vertex normals. `smooth` takes the given ones, made unit, else Σ area × angle × unit face normal over the
-    triangles at each vertex. A vertex of no triangle with area is never shaded: its normal is made +z. Raises MeshError for a vertex
-    that is shaded and whose normal is zero or cancels out.
+    triangles at each vertex. A vertex of no triangle with area is never shaded: its normal is made +z. Raises MeshError for a
+    vertex that is shaded and whose normal is zero or cancels out.
     """
     if normals == "flat":
         return TriangleMesh(mesh.vertices, mesh.faces)
@@ -69,13 +69,13 @@ def shaded(mesh: TriangleMesh, normals: Literal["flat", "smooth"]) -> TriangleMe
 
 
 def triangle_areas(mesh: TriangleMesh) -> Floats:
-    """(m,) float64, m², of the triangles scaled so that the largest coordinate is 1 where that is needed to represent them."""
+    """(m,) float64, in units of the mesh's largest coordinate squared, rounded up to a power of two: never lost to underflow."""
     areas: Floats = np.linalg.norm(_crosses(mesh), axis=1) / 2
     return areas
 
 
 def summed_normals(mesh: TriangleMesh) -> tuple[Floats, Floats]:
-    """Per vertex: (n, 3) Σ area × angle × unit face normal and (n,) Σ area × angle, by which to judge how much is left of the sum."""
+    """Per vertex: (n, 3) Σ area × angle × unit face normal, and (n,) Σ area × angle to judge by how much is left of that sum."""
     crosses = _crosses(mesh)
     areas = np.linalg.norm(crosses, axis=1) / 2
     summed = np.zeros_like(mesh.vertices)

@@ -1,7 +1,7 @@
 """Stanford PLY, ASCII and binary of both byte orders → triangles.
 
-Read are x, y, z and, where all three are there, nx, ny, nz of the element `vertex`, and the list `vertex_indices` (or `vertex_index`) of
-the element `face`; polygons must be convex and are split into fans. Other elements and properties are skipped.
+Read are x, y, z and, where all three are there, nx, ny, nz of the element `vertex`, and the list `vertex_indices` (or
+`vertex_index`) of the element `face`; polygons must be convex and are split into fans. Other elements and properties are skipped.
 """
 
 from __future__ import annotations

@@ -28,7 +28,10 @@ class MeshStore:
         self._files: dict[Path, TriangleMesh | SpecErrors] = {}
 
     def triangles(self, mesh: SimpleNamespace, node: MapNode) -> TriangleMesh:
-        """The shaded mesh of an object with the fields of `model.Mesh`. Raises MeshError, or SpecErrors located in the mesh file."""
+        """The shaded mesh of an object with the fields of `model.Mesh`.
+
+        Raises MeshError, or SpecErrors located in the mesh file.
+        """
         inline = {"vertices", "faces", "vertex_normals"} & node.entries.keys()
         if "file" in node.entries and inline:
             raise MeshError((), "either file or vertices and faces, not both")
@@ -36,7 +39,8 @@ class MeshStore:
             return self._of_file(mesh)
         missing = {"vertices", "faces"} - node.entries.keys()
         if missing:
-            raise MeshError((), "either file, or vertices and faces" + (f" ({' and '.join(sorted(missing))} missing)" if inline else ""))
+            note = f" ({' and '.join(sorted(missing))} missing)" if inline else ""
+            raise MeshError((), "either file, or vertices and faces", note)
         return shaded(self._inline(mesh), mesh.normals)
 
     def _inline(self, mesh: SimpleNamespace) -> TriangleMesh:
@@ -87,5 +91,3 @@ class MeshStore:
             limit = exceeded("mesh_bytes", failed.size, self._limits.mesh_bytes, "bytes of the file")
             return MeshError(("file",), "a smaller file", f" ({limit})")
         return MeshError(("file",), "a .obj or .ply file in the scene's folder or below it", f" ({failed.why})")
-
-

@@ -302,7 +302,7 @@ class Mesh(Shape):
 
     kind: Literal["mesh"]
     normals: Annotated[Literal["flat", "smooth"], Allowed("flat or smooth")] = "flat"
-    """flat: the triangles' own normals. smooth: vertex normals, interpolated; where none are given, weighted by area and angle."""
+    """flat: the triangles' own normals. smooth: vertex normals, where none are given those weighted by area and angle."""
     file: Annotated[str | Absent, NotNull, Allowed("the name of a .obj or .ply file in the scene's folder")] = None
     """A .obj or .ply file in the scene's folder or below it."""
     vertices: Annotated[Points | Absent, NotNull] = None
@@ -333,7 +333,7 @@ class Expectation(Part):
     adapter: Annotated[str, Field(min_length=1), Allowed("the name of an adapter")]
     cause: Text
     """A cause id."""
-    when: Annotated[str | Absent, NotNull, Allowed("comparisons of sweep axes with numbers, joined by and, or")] = None
+    when: Annotated[str | Absent, NotNull, Allowed("comparisons of sweep axes with numbers")] = None
     """For which cases: `exponent > 128 and size == 1`."""
 
 
@@ -348,7 +348,7 @@ class Scene(Part):
     """One scene: everything that determines its picture in every renderer."""
 
     equilux: Annotated[Literal[1], BeforeValidator(_exact_int), Allowed("1, the version of the spec language")]
-    name: Annotated[str, Field(pattern="^[a-z0-9-]+$", max_length=100), Allowed("lower-case letters, digits and hyphens, at most 100")]
+    name: Annotated[str, Field(pattern="^[a-z0-9-]+$", max_length=100), Allowed("1 to 100 of a to z, 0 to 9 and -")]
     about: Text = ""
     """What the scene shows, in a sentence."""
     model: Annotated[Literal["phong"], Allowed("phong")]
@@ -364,7 +364,9 @@ class Scene(Part):
     objects: tuple[Object, ...]
     recursion_limit: Annotated[int, Field(ge=0), Allowed("an integer ≥ 0"), OnlyIn("raytraced")] = 8
     """How many reflected or refracted rays in succession."""
-    transparent_shadows: Annotated[Literal["attenuate", "ignore"], Allowed("attenuate or ignore"), OnlyIn("raytraced")] = "attenuate"
+    transparent_shadows: Annotated[Literal["attenuate", "ignore"], Allowed("attenuate or ignore"), OnlyIn("raytraced")] = (
+        "attenuate"
+    )
     """What a transparent object does to light that crosses it."""
     viewer: Annotated[Literal["local", "infinite"], Allowed("local or infinite"), OnlyIn("opengl")] = "local"
     """Whether V is taken to the eye point or is minus the view direction everywhere."""

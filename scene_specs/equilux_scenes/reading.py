@@ -1,8 +1,8 @@
 """Located nodes → typed parts, going on after every error so that all of them are found at once.
 
-The types of `model` say which keys a part has and pydantic validates each value; this module walks them side by side with the nodes,
-so that every message has the place of the offending key or value. A part is checked further (`checks`) as soon as the fields that a
-check needs are valid, whatever else is wrong with it.
+The types of `model` say which keys a part has and pydantic validates each value; this module walks them side by side with the
+nodes, so that every message has the place of the offending key or value. A part is checked further (`checks`) as soon as the
+fields that a check needs are valid, whatever else is wrong with it.
 
 Parts are remembered by node: the cases of a sweep share every part that the sweep does not touch.
 """
@@ -138,8 +138,14 @@ class Reader:
             return INVALID
 
     def _not_allowed(self, node: Node, path: Path, allowed: str, note: str = "") -> None:
+        self.error_at(node.place, f"{self._what(path)}: got {shown(node)}, allowed {allowed}{note}")
+
+    def _what(self, path: Path) -> str:
+        """A part, or a value of a part, in words."""
+        if path in self.part_at:
+            return self._owner(path)
         part_path, rest = self._split(path)
-        self.error_at(node.place, f"{label(rest)} of {self._owner(part_path)}: got {shown(node)}, allowed {allowed}{note}")
+        return f"{label(rest)} of {self._owner(part_path)}"
 
     def _split(self, path: Path) -> tuple[Path, Path]:
         """A path as the path of the innermost part on it, and what follows inside that part."""
@@ -204,7 +210,9 @@ class Reader:
         if isinstance(given, ScalarNode) and isinstance(given.value, str) and given.value in tags:
             return tags[given.value]
         note = _word_note(tuple(tags), str(path[0]), given)
-        self.error_at(given.place, f"{part.discriminator} of {owner(path, None)}: got {shown(given)}, allowed {', '.join(tags)}{note}")
+        self.error_at(
+            given.place, f"{part.discriminator} of {owner(path, None)}: got {shown(given)}, allowed {', '.join(tags)}{note}"
+        )
         return None
 
     def _fields(self, cls: type[Part], node: MapNode, path: Path) -> Any:
@@ -267,17 +275,19 @@ class Reader:
         if problem.message is not None:
             self.error_at(problem.place or found.place, problem.message)
         elif len(inside) == 0 and problem.path:  # the value is a default
-            self.error_at(found.place, f"{label(problem.path)} of {self._owner(path)}: not given, allowed {problem.allowed}{problem.note}")
+            words = f"not given, allowed {problem.allowed}{problem.note}"
+            self.error_at(found.place, f"{label(problem.path)} of {self._owner(path)}: {words}")
         else:
             self._not_allowed(found, (*path, *inside), problem.allowed, problem.note)
 
     def _mesh(self, values: dict[str, Any], node: MapNode, path: Path) -> TriangleMesh | None:
-        if not {"file", "vertices", "faces", "vertex_normals", "normals"} <= values.keys():
+        if not {"file", "vertices", "faces", "vertex_normals"} <= values.keys():
             return None
+        values = {"normals": "flat", **values}  # where it is wrong, the triangles are looked at all the same
         try:
             mesh = self.context.meshes.triangles(SimpleNamespace(**values), node)
             if not triangle_areas(mesh).any():
-                self.warn_at(node.place, f"triangles of {self._owner(path)}: none of them has an area, so nothing is seen of it")
+                self.warn_at(node.place, f"{self._owner(path)}: none of its triangles has an area, so nothing is seen of it")
             return mesh
         except MeshError as failed:
             self._problem(Problem(failed.path, failed.allowed, failed.note), node, path)
@@ -292,7 +302,10 @@ class Reader:
 @cache
 def fields_of(cls: type[Part]) -> tuple[tuple[str, _Kind, FieldInfo], ...]:
     """Name, kind of value and declaration of each field."""
-    return tuple((name, _kind(field.annotation, tuple(field.metadata), field.discriminator), field) for name, field in cls.model_fields.items())
+    return tuple(
+        (name, _kind(field.annotation, tuple(field.metadata), field.discriminator), field)
+        for name, field in cls.model_fields.items()
+    )
 
 
 def _kind(annotation: Any, metadata: tuple[Any, ...], discriminator: Any) -> _Kind:

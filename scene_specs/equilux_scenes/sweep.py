@@ -37,7 +37,6 @@ class Axis:
     name: str
     path: Path
     values: tuple[Node, ...]
-    place: Place  # of the path
 
 
 @dataclass(frozen=True)
@@ -77,9 +76,8 @@ def axes_of(root: MapNode, part_at: Mapping[Path, type[Part]]) -> tuple[list[Axi
             path = _resolved(root, path_node, part_at)
             for other in axes:
                 if _overlap(path, other.path):
-                    raise SweepError(path_node.place, f"path of sweep axis '{shortened(name)}': got {shown(path_node)}, "
-                                     f"allowed a value that axis '{shortened(other.name)}' does not sweep")  # fmt: skip
-            axes.append(Axis(name, path, values.items, path_node.place))
+                    raise _no_such(path_node, f"a value that axis '{shortened(other.name)}' does not sweep")
+            axes.append(Axis(name, path, values))
             errors.extend(_repeated(axes[-1]))
         except SweepError as failed:
             errors.append(failed)
@@ -105,13 +103,13 @@ def swept(root: MapNode, picks: tuple[Pick, ...]) -> MapNode:
     return root
 
 
-def _well_formed(root: MapNode) -> Iterator[tuple[str, ScalarNode, ListNode]]:
+def _well_formed(root: MapNode) -> Iterator[tuple[str, ScalarNode, tuple[Node, ...]]]:
     sweep = root.entries.get("sweep")
     for name, axis in sweep.entries.items() if isinstance(sweep, MapNode) else ():
         path = axis.entries.get("path") if isinstance(axis, MapNode) else None
         values = axis.entries.get("values") if isinstance(axis, MapNode) else None
-        if isinstance(path, ScalarNode) and isinstance(path.value, str) and isinstance(values, ListNode) and values.items:
-            yield name, path, values
+        if isinstance(path, ScalarNode) and isinstance(path.value, str):
+            yield name, path, values.items if isinstance(values, ListNode) else ()
 
 
 def _overlap(a: Path, b: Path) -> bool:

@@ -47,7 +47,10 @@ def step_matrix(step: TransformStep) -> Matrix:
 
 
 def rotation(rotate: Rotation) -> Matrix:
-    """(3, 3) right-handed rotation about an axis through the origin (Rodrigues), exact at multiples of 90° about a coordinate axis."""
+    """(3, 3) right-handed rotation about an axis through the origin (Rodrigues).
+
+    Exact at multiples of 90° about a coordinate axis.
+    """
     x, y, z = unit(rotate.axis)
     s, c = sin_cos_deg(rotate.degrees)
     cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])

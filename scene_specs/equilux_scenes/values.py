@@ -50,10 +50,18 @@ def _all_not_zero(vector: tuple[float, float, float]) -> tuple[float, float, flo
     return vector
 
 
+def _exactly(count: int, item: dict[str, Any]) -> dict[str, Any]:
+    """JSON Schema of a list of so many items."""
+    return {"type": "array", "items": item, "minItems": count, "maxItems": count}
+
+
 def _number_or_three(**number: Any) -> WithJsonSchema:
     one = {"type": "number", **number}
-    three = {"type": "array", "items": one, "minItems": 3, "maxItems": 3}
-    return WithJsonSchema({"anyOf": [one, three]})
+    return WithJsonSchema({"anyOf": [one, _exactly(3, one)]})
+
+
+_NUMBER = {"type": "number"}
+_THREE_NUMBERS = WithJsonSchema(_exactly(3, _NUMBER))
 
 
 Number = Annotated[float, Allowed("a finite number")]
@@ -63,7 +71,9 @@ Fraction = Annotated[float, Field(ge=0, le=1), Allowed("a number in [0, 1]")]
 Count = Annotated[int, Field(ge=1), Allowed("an integer ≥ 1")]
 Text = Annotated[str, Allowed("text")]
 
-Vector3 = Annotated[tuple[float, float, float], BeforeValidator(_as_tuple), Allowed("three numbers", ("a finite number",))]
+Vector3 = Annotated[
+    tuple[float, float, float], BeforeValidator(_as_tuple), Allowed("three numbers", ("a finite number",)), _THREE_NUMBERS
+]
 """Three world coordinates, metres."""
 
 Direction = Annotated[
@@ -71,6 +81,7 @@ Direction = Annotated[
     BeforeValidator(_as_tuple),
     AfterValidator(_not_zero),
     Allowed("three numbers, not all 0", ("a finite number",)),
+    _THREE_NUMBERS,
 ]
 """A direction of any length but 0."""
 
@@ -83,12 +94,9 @@ Factors = Annotated[
 ]
 """Scale factors along x, y and z; one number stands for three equal ones."""
 
+Band = Annotated[float, Field(ge=0)]
 Bands = Annotated[
-    tuple[
-        Annotated[float, Field(ge=0)],
-        Annotated[float, Field(ge=0)],
-        Annotated[float, Field(ge=0)],
-    ],
+    tuple[Band, Band, Band],
     BeforeValidator(_three_bands),
     Allowed("one number ≥ 0 or three", ("a number ≥ 0",)),
     _number_or_three(minimum=0),
@@ -100,20 +108,19 @@ Points = Annotated[
     BeforeValidator(_as_tuple),
     Allowed("a list of points, three numbers each", ("three numbers", "a finite number")),
 ]
+Index = Annotated[int, Field(ge=0)]
 Triangles = Annotated[
-    tuple[Annotated[tuple[Annotated[int, Field(ge=0)], Annotated[int, Field(ge=0)], Annotated[int, Field(ge=0)]], BeforeValidator(_as_tuple)], ...],
+    tuple[Annotated[tuple[Index, Index, Index], BeforeValidator(_as_tuple)], ...],
     BeforeValidator(_as_tuple),
     Field(min_length=1),
     Allowed("a list of at least one triangle, three vertex numbers each", ("three vertex numbers", "an integer ≥ 0")),
-]  # fmt: skip
+    WithJsonSchema({"type": "array", "items": _exactly(3, {"type": "integer", "minimum": 0}), "minItems": 1}),
+]
+Row4 = Annotated[tuple[float, float, float, float], BeforeValidator(_as_tuple)]
 Matrix4 = Annotated[
-    tuple[
-        Annotated[tuple[float, float, float, float], BeforeValidator(_as_tuple)],
-        Annotated[tuple[float, float, float, float], BeforeValidator(_as_tuple)],
-        Annotated[tuple[float, float, float, float], BeforeValidator(_as_tuple)],
-        Annotated[tuple[float, float, float, float], BeforeValidator(_as_tuple)],
-    ],
+    tuple[Row4, Row4, Row4, Row4],
     BeforeValidator(_as_tuple),
     Allowed("four rows of four numbers", ("four numbers", "a finite number")),
+    WithJsonSchema(_exactly(4, _exactly(4, _NUMBER))),
 ]
 """4×4, row by row; acts on column vectors."""

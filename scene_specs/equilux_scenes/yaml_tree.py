@@ -113,11 +113,13 @@ class YamlTree:
 def parse(text: str, file: str, limits: Limits) -> YamlTree:
     """Read one YAML 1.2 document.
 
-    Raises SpecErrors when the text is not YAML, is empty, holds several documents, or meets the limit `nesting`, `nodes` or `aliases`.
+    Raises SpecErrors when the text is not YAML, is empty, holds several documents, or meets the limit `nesting`, `nodes` or
+    `aliases`.
     """
     source = YamlText(file, text.removeprefix("\ufeff"))
     if bad := _NOT_PRINTABLE.search(source.text):
-        raise SpecErrors([source.error(bad.start(), f"character U+{ord(bad.group()):04X}, allowed printable text (is this a YAML file?)")])
+        message = f"character U+{ord(bad.group()):04X}, allowed printable text (is this a YAML file?)"
+        raise SpecErrors([source.error(bad.start(), message)])
     builder = _Builder(source, limits)
     try:
         builder.read(_events(source))
