@@ -1,0 +1,73 @@
+"""How numbers are written: grouped by thin spaces, three significant digits, never a percentage that hides a pixel."""
+
+from __future__ import annotations
+
+import math
+
+NARROW = "\u202f"
+"""Narrow no-break space: between groups of digits, and between a number and its unit."""
+NONE = "–"
+
+
+def count(value: int) -> str:
+    """49152 → "49 152"."""
+    return f"{value:,}".replace(",", NARROW)
+
+
+def magnitude(value: float | None, digits: int = 3) -> str:
+    """Three significant digits: 0.812, 420, 7.63e-6."""
+    if value is None or math.isnan(value):
+        return NONE
+    if value == 0:
+        return "0"
+    if math.isinf(value):
+        return "∞" if value > 0 else "−∞"
+    size = abs(value)
+    sign = "−" if value < 0 else ""
+    rounded = float(f"{size:.{digits - 1}e}")
+    exponent = math.floor(math.log10(rounded))
+    if -4 < exponent < 6:
+        places = max(0, digits - 1 - exponent)
+        body = f"{rounded:.{places}f}"
+        return sign + (count(int(rounded)) if places == 0 and rounded >= 10_000 else body)
+    mantissa, _, power = f"{rounded:.{digits - 1}e}".partition("e")
+    return f"{sign}{mantissa}e{int(power)}"
+
+
+def percent(part: int, whole: int) -> str:
+    """A share of pixels: 0 only if it is none, 100 only if it is all."""
+    if whole <= 0:
+        return NONE
+    if part == 0 or part == whole:
+        return f"{0 if part == 0 else 100}{NARROW}%"
+    share = 100 * part / whole
+    if share < 0.01:
+        return f"<0.01{NARROW}%"
+    if share > 99.99:
+        return f">99.99{NARROW}%"
+    return f"{share:.2f}{NARROW}%" if share < 99 else f"{share:.3g}{NARROW}%"
+
+
+def seconds(value: float | None) -> str:
+    """Wall time: 0.31 s, 2.4 ms, 3 min 20 s."""
+    if value is None:
+        return NONE
+    if value < 0.0995:
+        return f"{magnitude(value * 1e3, 2)}{NARROW}ms"
+    if value < 99.5:
+        return f"{magnitude(value, 3)}{NARROW}s"
+    minutes, rest = divmod(round(value), 60)
+    return f"{minutes}{NARROW}min {rest}{NARROW}s"
+
+
+def size(value: int) -> str:
+    """Bytes: 512 B, 12.3 kB."""
+    for unit, scale in (("GB", 1e9), ("MB", 1e6), ("kB", 1e3)):
+        if value >= scale:
+            return f"{magnitude(value / scale)}{NARROW}{unit}"
+    return f"{value}{NARROW}B"
+
+
+def plural(number: int, one: str, many: str | None = None) -> str:
+    """1 → "1 pair", 2 → "2 pairs"."""
+    return f"{count(number)} {one if number == 1 else many or one + 's'}"

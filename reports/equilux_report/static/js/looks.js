@@ -1,0 +1,90 @@
+// A look says how float planes become colours. Each has a key (same key: same pixels), a colour per pixel, and a legend.
+const BANDS = ["R", "G", "B"];
+const LUMINANCE = [0.2126, 0.7152, 0.0722]; // Rec. 709
+
+const firstOdd = (values) => values.find((value) => !Number.isFinite(value));
+
+// One value per pixel: a band, the luminance, or (for signed quantities in RGB) the band of largest size.
+const scalar = (planes, prefix, band, signed) => {
+  const [r, g, b] = BANDS.map((name) => planes[prefix + name]);
+  if (BANDS.includes(band)) return (i) => planes[prefix + band][i];
+  if (!signed || band === "lum") return (i) => LUMINANCE[0] * r[i] + LUMINANCE[1] * g[i] + LUMINANCE[2] * b[i];
+  return (i) => {
+    const odd = firstOdd([r[i], g[i], b[i]]);
+    if (odd !== undefined) return odd;
+    const gr = Math.abs(g[i]) > Math.abs(r[i]) ? g[i] : r[i];
+    return Math.abs(b[i]) > Math.abs(gr) ? b[i] : gr;
+  };
+};
+
+const mapped = (value, colour) => (Number.isFinite(value) ? colour(value) : eq.odd(value));
+
+const tone = ({ ev, band }) => {
+  const gain = 2 ** ev;
+  const grey = (value) => mapped(value, (v) => { const level = eq.srgbByte(v * gain); return eq.packed(level, level, level); });
+  return {
+    key: `tone ${ev} ${band}`,
+    pixel(planes) {
+      if (band !== "rgb") { const value = scalar(planes, "", band, false); return (i) => grey(value(i)); }
+      const [r, g, b] = BANDS.map((name) => planes[name]);
+      return (i) => {
+        const sum = r[i] + g[i] + b[i];
+        if (!Number.isFinite(sum)) { const odd = firstOdd([r[i], g[i], b[i]]); if (odd !== undefined) return eq.odd(odd); }
+        return eq.packed(eq.srgbByte(r[i] * gain), eq.srgbByte(g[i] * gain), eq.srgbByte(b[i] * gain));
+      };
+    },
+    legend: null,
+  };
+};
+
+const DECADES = 5;
+const falseColour = ({ ev, band, map }) => {
+  const white = 2 ** -ev;
+  const isLog = map === "log";
+  const at = isLog ? (v) => (v > 0 ? 1 + Math.log10(v / white) / DECADES : 0) : (v) => v / white;
+  const ticks = isLog ? [0, 1, 2, 3, 4, 5].map((k) => ({ at: k / DECADES, text: eq.short(white * 10 ** (k - DECADES), 2) }))
+    : [0, 0.25, 0.5, 0.75, 1].map((t) => ({ at: t, text: eq.short(white * t) }));
+  return {
+    key: `${map} ${ev} ${band}`,
+    pixel(planes) { const value = scalar(planes, "", band, false); return (i) => mapped(value(i), (v) => eq.sequentialAt(at(v))); },
+    legend: { colour: eq.sequentialAt, from: 0, ticks, unit: `${band === "rgb" ? "luminance" : band}, W/(m²·sr)` },
+  };
+};
+
+const difference = ({ band }, scale) => ({
+  key: `difference ${scale} ${band}`,
+  pixel(planes) { const value = scalar(planes, "", band, true); return (i) => mapped(value(i), (v) => eq.divergingAt(v / scale)); },
+  legend: { colour: eq.divergingAt, from: -1, ticks: [-1, -0.5, 0, 0.5, 1].map((t) => ({ at: (t + 1) / 2, text: eq.short(t * scale) })),
+    unit: `a − b${band === "rgb" ? ", largest band" : band === "lum" ? ", luminance" : `, ${band}`}, W/(m²·sr)` },
+});
+
+const HEAT_TICKS = [-1e4, -100, -1, 0, 1, 100, 1e4];
+const heat = ({ band }) => ({
+  key: `heat ${band}`,
+  pixel(planes) {
+    const value = scalar(planes, "en.", band === "lum" ? "rgb" : band, true);
+    return (i) => mapped(value(i), (v) => eq.divergingAt(eq.heatPosition(v)));
+  },
+  legend: { colour: eq.divergingAt, from: -1, unit: `Eₙ${BANDS.includes(band) ? `, ${band}` : ", largest band"}; dim: within the uncertainty`,
+    ticks: HEAT_TICKS.map((en) => ({ at: (eq.heatPosition(en) + 1) / 2, text: Math.abs(en) === 1e4 ? `${en < 0 ? "−" : ""}10⁴` : eq.short(en) })) },
+});
+
+eq.looks = {
+  ofRender: (state) => (state.map === "tone" ? tone(state) : falseColour(state)),
+  ofDifference: difference,
+  ofHeat: heat,
+};
+
+// The picture in the colours of a look, at one canvas pixel per film pixel.
+eq.paint = (picture, look) => {
+  const canvas = eq.element("canvas");
+  canvas.width = picture.width;
+  canvas.height = picture.height;
+  const context = canvas.getContext("2d");
+  const image = context.createImageData(picture.width, picture.height);
+  const out = new Uint32Array(image.data.buffer);
+  const pixel = look.pixel(picture.planes);
+  for (let i = 0; i < out.length; i += 1) out[i] = pixel(i);
+  context.putImageData(image, 0, 0);
+  return canvas;
+};

@@ -1,0 +1,168 @@
+"""The verdicts in words: what diverges, where, by how much, and whether it was expected."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from equilux_report import numerals
+from equilux_report.facts import Facts, count, mapping, number, numbers, objects, text
+from equilux_report.tree import CaseRecord, Pair, Render
+
+JUDGED = {
+    "diverge_unexpected": "diverges",
+    "improved": "no longer diverges",
+    "diverge_expected": "diverges as pinned",
+    "not_comparable": "not comparable",
+    "agree": "agrees",
+}
+"""The five judgements, gravest first."""
+
+STATUS = {
+    "ok": "rendered",
+    "invalid": "invalid pixels",
+    "failed": "failed",
+    "crashed": "crashed",
+    "timeout": "timed out",
+    "missing": "renderer missing",
+    "unsupported": "unsupported",
+    "incomplete": "incomplete",
+}
+
+CLASSES = ("agree", "diverge", "edge", "invalid")
+INVALID_KINDS = {"nan": "NaN", "+inf": "+Inf", "-inf": "−Inf", "negative": "negative beyond its uncertainty"}
+RADIANCE = "W/(m²·sr)"
+TIMES = "\u202f×\u202f"
+
+
+def causes(case: CaseRecord, pair: Pair) -> list[str]:
+    """Cause ids that go with a pair: diagnosed ones, else those its expectations name."""
+    diagnosed = [text(cause, "id") for cause in objects(pair.facts, "causes") if text(cause, "id")]
+    if diagnosed or pair.judged not in ("diverge_expected", "improved"):
+        return diagnosed
+    return list(
+        dict.fromkeys(text(item, "cause") for item in objects(case.facts, "expect") if text(item, "adapter") in (pair.a, pair.b))
+    )
+
+
+def worst_band(pair: Pair) -> tuple[float, float] | None:
+    """The two radiances of the worst pixel, in the band where they are farthest apart."""
+    worst = mapping(pair.facts, "worst")
+    a, b = numbers(worst, "a"), numbers(worst, "b")
+    if not a or len(a) != len(b):
+        return None
+    return max(zip(a, b, strict=True), key=lambda values: abs(values[0] - values[1]))
+
+
+def worst_pixel(pair: Pair) -> tuple[int, int] | None:
+    """Column and row of the worst pixel."""
+    worst = mapping(pair.facts, "worst")
+    x, y = number(worst, "x"), number(worst, "y")
+    return None if x is None or y is None else (int(x), int(y))
+
+
+def pixels_of(pair: Pair) -> str:
+    """ "312 of 49 152 pixels (0.63 %)", diverging and invalid ones apart."""
+    whole, diverge, invalid = (count(pair.facts, key) for key in ("pixels", "diverge", "invalid"))
+    parts = []
+    if diverge or not invalid:
+        parts.append(f"{numerals.count(diverge)} of {numerals.plural(whole, 'pixel')} ({numerals.percent(diverge, whole)})")
+    if invalid:
+        parts.append(f"{numerals.plural(invalid, 'invalid pixel')} ({numerals.percent(invalid, whole)})")
+    return " and ".join(parts)
+
+
+def _size(pair: Pair) -> str:
+    en = number(pair.facts, "en_max")
+    band, parts = worst_band(pair), []
+    if band is not None:
+        parts.append(f"{numerals.magnitude(band[0])} against {numerals.magnitude(band[1])} {RADIANCE}")
+    if en is not None:
+        parts.append(f"{numerals.magnitude(en)}{TIMES}the stated uncertainty")
+    return ", ".join(parts)
+
+
+def _fate(case: CaseRecord, pair: Pair) -> str:
+    names = causes(case, pair)
+    if pair.judged == "diverge_expected":
+        return f"pinned as {' and '.join(names)}" if names else "expected"
+    if pair.judged == "improved":
+        return (
+            f"pinned as {' and '.join(names)}, which no longer shows: take the pin out"
+            if names
+            else "expected to diverge, and does not"
+        )
+    return "not expected" if pair.judged == "diverge_unexpected" else ""
+
+
+def sentence(case: CaseRecord, pair: Pair) -> str:
+    """One pair in one sentence, without the place of its worst pixel (the page links that)."""
+    facts = pair.facts
+    if pair.verdict == "not-comparable":
+        return f"{pair.a} cannot be compared with {pair.b}: {text(facts, 'reason') or 'no reason was recorded'}."
+    if pair.verdict == "diverge":
+        if text(facts, "reason") and count(facts, "diverge") + count(facts, "invalid") == 0:
+            parts = [f"{pair.a} diverges from {pair.b}: {text(facts, 'reason')}"]
+        else:
+            parts = [f"{pair.a} diverges from {pair.b} on {pixels_of(pair)}"]
+            worst = worst_pixel(pair)
+            if worst is not None:
+                parts[0] += f", worst at ({worst[0]}, {worst[1]}): {_size(pair)}".rstrip(": ")
+            if text(facts, "reason"):
+                parts.append(text(facts, "reason"))
+    else:
+        parts = [
+            f"{pair.a} agrees with {pair.b} on {_all(pair)}: largest |Eₙ| {numerals.magnitude(number(facts, 'en_max'))}, "
+            f"largest difference {numerals.magnitude(number(facts, 'max_abs'))} {RADIANCE}"
+        ]
+    edge = count(facts, "edge")
+    if edge:
+        parts.append(f"{numerals.plural(edge, 'edge pixel')} set apart")
+    fate = _fate(case, pair)
+    return "; ".join([*parts, *([fate] if fate else [])]) + "."
+
+
+def _all(pair: Pair) -> str:
+    whole, agree = count(pair.facts, "pixels"), count(pair.facts, "agree")
+    return (
+        f"all {numerals.plural(whole, 'pixel')}"
+        if agree == whole
+        else f"{numerals.count(agree)} of {numerals.plural(whole, 'pixel')}"
+    )
+
+
+def render_sentence(render: Render) -> str:
+    """Why a render gave no image (or a bad one), in one sentence."""
+    reason, missing = (
+        text(render.facts, "reason"),
+        [item for item in render.facts.get("missing_features") or [] if isinstance(item, str)],
+    )
+    if render.status == "unsupported":
+        what = (
+            f"{render.adapter} does not support {listed(missing)}" if missing else f"{render.adapter} does not support this case"
+        )
+    elif render.status == "crashed":
+        signal = number(render.facts, "signal")
+        what = f"{render.adapter} crashed" + (f" (signal {int(signal)})" if signal is not None else "")
+    elif render.status == "invalid":
+        kinds = invalid_kinds(mapping(render.facts, "image"))
+        what = f"{render.adapter} wrote invalid values" + (f": {kinds}" if kinds else "")
+    else:
+        what = {
+            "timeout": f"{render.adapter} ran out of time",
+            "missing": f"{render.adapter} is not installed",
+            "failed": f"{render.adapter} failed",
+            "incomplete": f"{render.adapter} left no record",
+        }.get(render.status, f"{render.adapter}: {render.status}")
+    return f"{what}: {reason}." if reason else f"{what}."
+
+
+def invalid_kinds(kinds: Facts) -> str:
+    """ "36 NaN, 3 +Inf" of the kinds that occur."""
+    found = [f"{numerals.count(count(kinds, key))} {name}" for key, name in INVALID_KINDS.items() if count(kinds, key)]
+    return ", ".join(found)
+
+
+def listed(names: Iterable[str]) -> str:
+    """ "a, b and c"."""
+    *most, last = [*names] or [""]
+    return f"{', '.join(most)} and {last}" if most else last
