@@ -98,12 +98,25 @@ class CaseWork:
                 status, reason, delivered, stated, image_facts = "failed", str(problem), None, None, None
         _clean(folder, keep_picture=delivered is not None)
         record = {
-            "schema": RENDER_SCHEMA, "case": self.case.name, "adapter": who.adapter, "status": status,
-            "missing_features": outcome.missing_features, "reason": reason, "signal": outcome.signal, "attempts": outcome.attempts,
-            "version": who.version, "seconds": outcome.seconds,
-            "uncertainty": stated.to_json() if stated is not None else None, "knobs": dict(who.knobs),
-            "environment": outcome.environment, "stderr_tail": outcome.stderr_tail, "program": outcome.program, "image": image_facts,
-            "reused": reused, "key": who.key}  # fmt: skip
+            "schema": RENDER_SCHEMA,
+            "case": self.case.name,
+            "adapter": who.adapter,
+            "status": status,
+            "missing_features": outcome.missing_features,
+            "reason": reason,
+            "signal": outcome.signal,
+            "attempts": outcome.attempts,
+            "version": who.version,
+            "seconds": outcome.seconds,
+            "uncertainty": stated.to_json() if stated is not None else None,
+            "knobs": dict(who.knobs),
+            "environment": outcome.environment,
+            "stderr_tail": outcome.stderr_tail,
+            "program": outcome.program,
+            "image": image_facts,
+            "reused": reused,
+            "key": who.key,
+        }
         write_json(folder / "render.json", record)
         self.tree.drop_pairs(self.case.name, who.adapter)
         self.tree.install_render(folder, self.case.name, who.adapter)

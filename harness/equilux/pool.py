@@ -38,10 +38,20 @@ class Request:
     limits: Limits
 
 
+@dataclass(frozen=True)
+class Laboratory:
+    """What the pool must know of an adapter: where a worker finds it, and how many renders go at once per core."""
+
+    name: str
+    entry_point: str
+    workers_per_core: float
+
+
 @dataclass
 class Lane:
     """One adapter's share of the pool: what waits, what runs, which workers idle."""
 
+    laboratory: Laboratory
     share: float
     waiting: deque[Request] = field(default_factory=deque)
     load: float = 0.0
@@ -53,9 +63,9 @@ class Lane:
 class Pool:
     """Workers for several adapters. Use as a context manager: leaving it ends every worker."""
 
-    def __init__(self, capacity: float, workers_per_core: Mapping[str, float], scratch: Path) -> None:
+    def __init__(self, capacity: float, laboratories: Iterable[Laboratory], scratch: Path) -> None:
         self._capacity = capacity
-        self._lanes = {name: Lane(share=1.0 / share) for name, share in workers_per_core.items()}
+        self._lanes = {each.name: Lane(each, 1.0 / each.workers_per_core) for each in laboratories}
         self._scratch = scratch
         self._numbers = itertools.count(1)
         self._lock = threading.Lock()
@@ -152,7 +162,7 @@ class Pool:
     def _in_some_worker(self, request: Request, lane: Lane, folder: Path, *, fresh: bool) -> tuple[Outcome, WorkerProcess]:
         """Give the job to an idle worker, else a new one. A worker found dead while idle is replaced and charges no case."""
         while True:
-            worker = self._take_worker(request.adapter, lane, fresh=fresh)
+            worker = self._take_worker(lane, fresh=fresh)
             job = Job(next(self._numbers), request.case, dict(request.knobs), folder, request.limits)
             try:
                 worker.wait_ready()
@@ -166,7 +176,7 @@ class Pool:
                     lane.given_up = str(problem)
                     raise
 
-    def _take_worker(self, adapter: str, lane: Lane, *, fresh: bool) -> WorkerProcess:
+    def _take_worker(self, lane: Lane, *, fresh: bool) -> WorkerProcess:
         if lane.given_up is not None:
             raise WorkerUnusable(lane.given_up)
         while not fresh:
@@ -177,7 +187,8 @@ class Pool:
             if worker.alive:
                 return worker
             self._discard(worker)  # it died while idle
-        worker = WorkerProcess(adapter, self._watch, self._scratch / f"worker-{os.getpid()}-{next(self._numbers)}.log")
+        log = self._scratch / f"worker-{os.getpid()}-{next(self._numbers)}.log"
+        worker = WorkerProcess(lane.laboratory.name, lane.laboratory.entry_point, self._watch, log)
         with self._lock:
             self._workers.add(worker)
         if self._stopped:  # stop() may have looked at the workers before this one was among them

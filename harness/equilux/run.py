@@ -25,7 +25,7 @@ from equilux.identity import render_key
 from equilux.job import Outcome
 from equilux.judge import FAILED, exit_code, judge_case
 from equilux.plan import RUN, Plan, PlannedRender
-from equilux.pool import Pool, Request
+from equilux.pool import Laboratory, Pool, Request
 from equilux.progress import Progress, Silent
 from equilux.results import (
     CaseRecord,
@@ -125,14 +125,14 @@ class _Run:
 
     def _render(self, planned: list[PlannedRender], workers: ThreadPoolExecutor) -> None:
         wanted = {render.adapter for render in planned}
-        shares = {
-            entry.name: float(entry.adapter.workers_per_core)
+        laboratories = [
+            Laboratory(entry.name, entry.entry_point.value, float(entry.adapter.workers_per_core))
             for entry in self._plan.entries
             if entry.name in wanted and entry.adapter is not None
-        }
+        ]
         requests = [Request(render.case, render.adapter, self._knobs[render.adapter], self._options.limits) for render in planned]
         settling: list[Future[None]] = []
-        with Pool(self._options.jobs, shares, self._tree.scratch) as pool:
+        with Pool(self._options.jobs, laboratories, self._tree.scratch) as pool:
             self._pool = pool
             if self._stopped_by is None:
                 pool.run(

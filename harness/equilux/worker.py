@@ -1,4 +1,4 @@
-"""The process in which one adapter lives: `python -m equilux.worker NAME REQUEST_FD REPLY_FD`.
+"""The process in which one adapter lives: `python -m equilux.worker NAME MODULE:OBJECT REQUEST_FD REPLY_FD`.
 
 It translates, renders and reads one case after another. Whatever the adapter does to it (prints, exceptions, `sys.exit`, death)
 stays here: stdout and stderr go to the job's log, messages go over two private pipes that the adapter's own children never
@@ -21,6 +21,7 @@ import time
 import traceback
 from collections.abc import Mapping
 from dataclasses import asdict
+from importlib.metadata import EntryPoint
 from pathlib import Path, PurePosixPath
 from typing import Any, TypeVar
 
@@ -38,6 +39,7 @@ from equilux.adapter import (
     Unsupported,
 )
 from equilux.job import BUDGET_FILE, IMAGE_FILE, LOG_FILE, PROGRAM_FOLDER, WORK_FOLDER, Job, Outcome
+from equilux.registry import GROUP, load
 
 PR_SET_CHILD_SUBREAPER = 36
 TRACEBACK_LINES = 12
@@ -49,7 +51,7 @@ class BadDelivery(Exception):
     """The adapter returned something that the protocol does not allow. The message says what, and what was expected."""
 
 
-def main(name: str, requests: int, replies: int) -> None:
+def main(name: str, value: str, requests: int, replies: int) -> None:
     """Serve jobs until the engine closes the request pipe."""
     for fd in (requests, replies):
         os.set_inheritable(fd, False)
@@ -57,7 +59,7 @@ def main(name: str, requests: int, replies: int) -> None:
     threading.Thread(target=_end_with_the_engine, args=(requests,), daemon=True).start()
     search_path = json.loads(wire.receive(requests))
     sys.path.extend(entry for entry in search_path if entry not in sys.path)
-    adapter = _load(name, replies)
+    adapter = _load(name, value, replies)
     if adapter is None:
         return
     _reply(replies, {"ready": name})
@@ -91,18 +93,12 @@ def _end_with_the_engine(requests: int) -> None:
     os.killpg(0, signal.SIGKILL)
 
 
-def _load(name: str, replies: int) -> Adapter | None:
+def _load(name: str, value: str, replies: int) -> Adapter | None:
     """The adapter; None after having told the engine why there is none."""
-    from equilux.registry import Registry
-
-    entry = Registry.discover().entries.get(name)
-    if entry is not None and entry.adapter is not None:
-        return entry.adapter
-    _reply(
-        replies,
-        {"unusable": entry.error if entry is not None else f"no adapter '{name}' is registered in the worker's environment"},
-    )
-    return None
+    loaded = load(EntryPoint(name=name, value=value, group=GROUP))
+    if loaded.adapter is None:
+        _reply(replies, {"unusable": loaded.error})
+    return loaded.adapter
 
 
 def _reply(replies: int, message: dict[str, Any]) -> None:
@@ -223,4 +219,4 @@ def describe_program(folder: Path, entry: str) -> dict[str, Any]:
 
 
 if __name__ == "__main__":
-    main(sys.argv[1], int(sys.argv[2]), int(sys.argv[3]))
+    main(sys.argv[1], sys.argv[2], int(sys.argv[3]), int(sys.argv[4]))

@@ -32,8 +32,10 @@ class WorkerUnusable(Exception):
 class WorkerProcess:
     """One worker of one adapter. Not thread-safe, except `kill`."""
 
-    def __init__(self, adapter: str, watch: Watch, log: Path) -> None:
-        """Start the process; it loads the adapter while the caller goes on. `log` takes what it prints before its first job."""
+    def __init__(self, adapter: str, value: str, watch: Watch, log: Path) -> None:
+        """Start the process; it loads the adapter while the caller goes on.
+
+        value: the adapter's entry point, `module:object`. `log` takes what it prints before its first job."""
         self.adapter = adapter
         self._watch = watch
         self._log = log
@@ -44,7 +46,7 @@ class WorkerProcess:
         try:
             with log.open("wb") as output:
                 self._process = subprocess.Popen(
-                    [sys.executable, "-P", "-m", "equilux.worker", adapter, str(request_read), str(reply_write)],
+                    [sys.executable, "-P", "-m", "equilux.worker", adapter, value, str(request_read), str(reply_write)],
                     stdin=subprocess.DEVNULL,
                     stdout=output,
                     stderr=output,

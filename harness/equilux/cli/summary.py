@@ -30,8 +30,9 @@ def _adapters(results: Results) -> str:
         statuses = Counter(str(case.renders[name].status) for case in results.cases if name in case.renders)
         judged = Counter(str(pair.judged) for case in results.cases for pair in case.pairs if name in (pair.a, pair.b))
         spent = sum(case.renders[name].seconds.get("render", 0.0) for case in results.cases if name in case.renders)
+        failed = sum(statuses[status] for status in (*FAILED, "invalid"))
         counts = [
-            statuses["ok"], statuses["unsupported"], sum(statuses[status] for status in (*FAILED, "invalid")), statuses["missing"],
+            statuses["ok"], statuses["unsupported"], failed, statuses["missing"],
             judged["agree"], judged["diverge_expected"], judged["diverge_unexpected"], judged["improved"],
         ]  # fmt: skip
         rows.append((name, results.run.adapters.get(name, ""), *map(str, counts), f"{spent:.1f}"))
