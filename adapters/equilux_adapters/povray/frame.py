@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 from equilux.adapter import Unsupported
 from equilux_scenes.case import Case
-from equilux_scenes.model import Box, Camera, PerspectiveCamera, Plane, Sphere
+from equilux_scenes.model import Box, Camera, PerspectiveCamera, Plane, Rectangle, Sphere
 from equilux_scenes.transforms import matrix, unit
 
 from equilux_adapters.povray import distances
@@ -145,6 +145,8 @@ def _object_error(case: Case, camera: View, origin: Vector, scale: float, index:
         return camera.film_px(shift / distance)
     if isinstance(obj, Box):
         return camera.film_px(BOX_CORNER / scale / distance)
+    if isinstance(obj, Rectangle):
+        return 0.0
     if isinstance(obj, Plane):
         # beyond PLANE_DEPTH the plane ends, before the horizon; the angle left is height / depth
         height = abs(float(np.dot(unit(obj.normal), camera.eye - np.array(obj.point)))) if not obj.transform else distance

@@ -1,8 +1,8 @@
 """Materials as POV-Ray textures: one layer where the bands allow it, a stack of layers where they do not.
 
 POV-Ray multiplies diffuse, ambient and emission by the pigment and the highlight by nothing (Q4), so one layer carries three
-bands of diffuse light beside a grey highlight. Anything else is layered: a layer of transmit ½ contributes with weight ½ and shows
-what lies below with weight ½, and powers of two in the coefficients restore the weights without rounding (Q6).
+bands of diffuse light beside a grey highlight. Anything else is layered: a layer of transmit ½ contributes with weight ½ and
+shows what lies below with weight ½, and powers of two in the coefficients restore the weights without rounding (Q6).
 """
 
 from __future__ import annotations

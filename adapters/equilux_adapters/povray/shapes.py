@@ -11,7 +11,7 @@ from equilux_scenes.model import Box, Cylinder, Disc, Object, Plane, Rectangle, 
 from equilux_scenes.transforms import matrix, unit
 
 from equilux_adapters.povray.frame import Frame
-from equilux_adapters.povray.numbers import float32_rows, integer_rows, number, vector
+from equilux_adapters.povray.numbers import float32_rows, integer_rows, matrix_modifier, number, vector
 
 Matrix = npt.NDArray[np.float64]
 
@@ -53,12 +53,17 @@ def _primitive(obj: Object, frame: Frame) -> str:
 
 
 def _rectangle(obj: Rectangle, frame: Frame) -> Written:
-    """The unit square under the matrix of its edges: coplanar by construction, whatever the rounding of its corners (Q18)."""
+    """A plane cut to size by a box: exact edges, and coplanar rectangles at bitwise equal depths, so that the first in the file wins.
+
+    A `polygon` has neither, and vanishes when its corners leave its plane by 1e-10 (Q18).
+    """
     square = np.eye(4)
-    u, v = np.array(obj.edge_u), np.array(obj.edge_v)
-    normal = np.array(unit(tuple(np.cross(u, v))))
-    square[:3] = np.stack([u, v, normal, np.array(obj.corner)], axis=1)
-    return Written("polygon { 5, <0, 0>, <1, 0>, <1, 1>, <0, 1>, <0, 0>", frame.matrix(matrix(obj) @ square))
+    square[:3] = np.stack([np.array(part, dtype=np.float64) for part in (obj.edge_u, obj.edge_v, np.zeros(3), obj.corner)], axis=1)
+    placed = frame.matrix(matrix(obj) @ square)
+    normal = np.array(unit(tuple(np.cross(placed[:3, 0], placed[:3, 1]))))
+    placed[:3, 2] = normal
+    surface = f"plane {{ {vector(normal)}, {number(np.dot(normal, placed[:3, 3]))}"
+    return Written(f"{surface}\n  clipped_by {{ box {{ <0, 0, -1>, <1, 1, 1> {matrix_modifier(placed)} }} }}", None)
 
 
 @dataclass(frozen=True)
