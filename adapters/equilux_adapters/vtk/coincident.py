@@ -8,7 +8,6 @@ from collections.abc import Hashable, Iterator
 
 import numpy as np
 import numpy.typing as npt
-
 from equilux.adapter import Case
 from equilux_scenes.model import Box, Cylinder, Disc, Mesh, Object, Plane, Rectangle, Sphere
 from equilux_scenes.transforms import matrix

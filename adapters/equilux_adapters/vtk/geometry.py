@@ -7,18 +7,22 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-
 from equilux.adapter import Case
-from equilux_adapters.vtk.kit.round import Round, film_scale, sectors, sphere_division
+from equilux_scenes.model import Box, Camera, Cylinder, Disc, Film, Mesh, Rectangle, Sphere
+from equilux_scenes.transforms import matrix
+
+from equilux_adapters.vtk.coincident import set_backs
+from equilux_adapters.vtk.drawing import build
+from equilux_adapters.vtk.kit.clip import in_frame
+from equilux_adapters.vtk.kit.depth import set_back
+from equilux_adapters.vtk.kit.round import Round, Scale, film_scale, sectors, sphere_division, sphere_scale
 from equilux_adapters.vtk.kit.shapes import cut_by_eye_plane, cylinder_division
 from equilux_adapters.vtk.kit.view import View, look_at, seen_from
 from equilux_adapters.vtk.knobs import VtkKnobs
-from equilux_scenes.model import Camera, Cylinder, Disc, Film, Sphere
-from equilux_scenes.transforms import matrix
 
 Floats = npt.NDArray[np.float64]
 
-RIM_STRIPS = 4
+RIM_STRIPS = 2
 """This many strips on either side of where a round surface is seen edge-on are not covered by the bounds on normal and position, which
 grow without limit there, but by the film position: what a pixel shows there, the truth shows within the width of these strips."""
 
@@ -38,7 +42,7 @@ def geometry_of(case: Case, knobs: VtkKnobs) -> dict[str, Any]:
     return {
         "normal": {str(index): normal for index, (normal, _, _) in bounds.items() if normal > 0},
         "position_m": {str(index): position for index, (_, position, _) in bounds.items() if position > 0},
-        "film_px": max((film for _, _, film in bounds.values()), default=0.0),
+        "film_px": float(max((film for _, _, film in bounds.values()), default=0.0)),
     }
 
 
@@ -62,7 +66,7 @@ def _chord_px(step: float, radius_px: float) -> float:
 
 def _sphere(view: View, obj: Sphere, segments: int, placed: Floats | None) -> tuple[float, float, float]:
     axes, meridian, counts = sphere_division(view, obj.center, obj.radius, segments, placed)
-    scale = film_scale(view, placed, np.asarray(obj.center), obj.radius)
+    scale = sphere_scale(view, obj.center, obj.radius, placed)
     across = 2 * np.pi * np.sin(meridian.angles) / counts
     sees_back = cut_by_eye_plane(view, obj.center, obj.radius, placed) or meridian.rim == len(meridian.angles) - 1
     normal, position = _facets(meridian, across, len(meridian.angles) - 1 if sees_back else meridian.rim)
@@ -73,7 +77,7 @@ def _sphere(view: View, obj: Sphere, segments: int, placed: Floats | None) -> tu
         for a in _rim_angles(meridian)
     )
     film = _film_distance(view, placed, edge, inner) + _chord_px(float(across[meridian.rim]), obj.radius * scale.large)
-    return normal * scale.stretch, position * obj.radius * _largest_factor(placed), film
+    return _with_gates(normal, position * obj.radius, film, obj.radius, scale, placed)
 
 
 def _cylinder(view: View, obj: Cylinder, segments: int, placed: Floats | None) -> tuple[float, float, float]:
@@ -88,7 +92,17 @@ def _cylinder(view: View, obj: Cylinder, segments: int, placed: Floats | None) -
         film = max(film, _film_distance(view, placed, edge, inner))
     film += _chord_px(float(np.max(np.diff(half.angles))), obj.radius * scale.large)
     # along the axis a ray goes on for as long as it is between facet and circle
-    return normal * scale.stretch, position * _slant(view, axes[2], placed, along) * obj.radius * _largest_factor(placed), film
+    return _with_gates(normal, position * obj.radius * _slant(view, axes[2], placed, along), film, obj.radius, scale, placed)
+
+
+def _with_gates(normal: float, position: float, film: float, radius: float, scale: Scale, placed: Floats | None) -> tuple[float, float, float]:
+    """Object space → world; and how far the terminator (N·L = 0) and the border of a light's cone are displaced on the film.
+
+    N turns by 1/radius per length, so an error of N moves the terminator by radius times as much; an error of position moves a cone's
+    border by at most as much as it moves the point.
+    """
+    film += (normal * radius + position) * scale.large
+    return normal * scale.stretch, position * _largest_factor(placed), film
 
 
 def _facets(division: Round, across: Floats, last: int) -> tuple[float, float]:
@@ -108,18 +122,24 @@ def _rim_angles(division: Round) -> tuple[float, float]:
     return float(division.angles[division.rim]), float(division.angles[max(division.rim - RIM_STRIPS, 0)])
 
 
-def _film_distance(view: View, placed: Floats | None, a: Floats, b: Floats) -> float:
-    """Largest distance on the film, pixels, between points of object space that belong together, of those the film shows."""
-    films, shown = [], np.zeros(len(a), dtype=bool)
-    for points in (a, b):
+def _film_distance(view: View, placed: Floats | None, edge: Floats, inner: Floats) -> float:
+    """Largest distance on the film, pixels, from points near an edge to the edge, of those the film shows.
+
+    edge, inner: (n, 3) in object space, points that belong together; `edge` runs along the edge.
+    """
+    films, shown = [], np.zeros(len(edge), dtype=bool)
+    for points in (edge, inner):
         if placed is not None:
             points = points @ placed[:3, :3].T + placed[:3, 3]
         x, y, depth = seen_from(view, points - view.eye).T
         over = np.where(depth > 0, 1.0 if view.parallel else depth, np.nan)
         films.append(np.stack([x / over, y / over], axis=1))
         shown |= (depth > 0) & (abs(x) <= 1.1 * view.half_width * over) & (abs(y) <= 1.1 * view.half_height * over)
-    distance = np.linalg.norm(films[0] - films[1], axis=1)[shown] * view.pixels_per_unit
-    return float(np.nanmax(distance, initial=0.0))
+    along, across = np.gradient(films[0], axis=0), films[1] - films[0]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        distance = np.abs(along[:, 0] * across[:, 1] - along[:, 1] * across[:, 0]) / np.linalg.norm(along, axis=1)
+    distance = np.where(np.isfinite(distance), distance, np.linalg.norm(across, axis=1))[shown]
+    return float(np.nanmax(distance, initial=0.0) * view.pixels_per_unit)
 
 
 def _slant(view: View, axis: Floats, placed: Floats | None, along: Floats) -> float:
@@ -133,3 +153,43 @@ def _slant(view: View, axis: Floats, placed: Floats | None, along: Floats) -> fl
 
 def _largest_factor(placed: Floats | None) -> float:
     return 1.0 if placed is None else float(np.linalg.svd(placed[:3, :3], compute_uv=False)[0])
+
+
+def reach_of(case: Case, index: int) -> float:
+    """How far from the eye the points of an object are, metres; inf for a plane."""
+    obj = case.scene.objects[index]
+    points, around = _enclosure(case, index, obj)
+    placed = matrix(obj)
+    away = points @ placed[:3, :3].T + (placed[:3, 3] - np.asarray(case.scene.camera.eye))
+    return float(np.max(np.linalg.norm(away, axis=1), initial=0.0)) + around * _largest_factor(placed)
+
+
+def _enclosure(case: Case, index: int, obj: Any) -> tuple[Floats, float]:
+    """Points such that the object lies within their convex hull widened by a length, in object space."""
+    if isinstance(obj, Sphere | Disc):
+        return np.array([obj.center]), obj.radius
+    if isinstance(obj, Cylinder):
+        return np.array([obj.base, obj.top]), obj.radius
+    if isinstance(obj, Box):
+        return np.stack(np.meshgrid(*zip(obj.min, obj.max, strict=True)), axis=-1).reshape(-1, 3), 0.0
+    if isinstance(obj, Rectangle):
+        corner, u, v = (np.asarray(x) for x in (obj.corner, obj.edge_u, obj.edge_v))
+        return np.stack([corner, corner + u, corner + v, corner + u + v]), 0.0
+    if isinstance(obj, Mesh):
+        return case.meshes[index].vertices, 0.0
+    return np.zeros((0, 3)), math.inf
+
+
+def set_back_of(case: Case, knobs: VtkKnobs) -> dict[str, float]:
+    """How far, in metres, coincident objects are drawn from where they are, per object index (as text); see `kit.depth.set_back`."""
+    steps = set_backs(case)
+    if not any(steps):
+        return {}
+    view = view_of(case.scene.camera, case.scene.film)
+    seen = [in_frame(view, build(case, index, view, knobs)) for index in range(len(steps))]
+    moved = set_back(view, seen, steps)
+    return {
+        str(index): float(np.max(np.linalg.norm(after.points - before.points, axis=1), initial=0.0))
+        for index, (before, after) in enumerate(zip(seen, moved, strict=True))
+        if steps[index]
+    }

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from pydantic import Field
-
 from equilux.adapter import Knobs
+from pydantic import Field
 
 
 class VtkKnobs(Knobs):

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
+from equilux.adapter import Program, RawRender, Reading, RendererFailed
 
-from equilux.adapter import Bound, Budget, Geometric, Program, RawRender, Reading, RendererFailed
+from equilux_adapters.vtk.budget import budget_of
 from equilux_adapters.vtk.knobs import VtkKnobs
 from equilux_adapters.vtk.render import IMAGE
 
@@ -15,4 +16,4 @@ def read(raw: RawRender, program: Program, knobs: VtkKnobs) -> Reading:
         image = np.load(raw.files[IMAGE])
     except (OSError, ValueError) as error:
         raise RendererFailed(f"{IMAGE}: {error}") from error
-    return Reading(image, Budget(()))
+    return Reading(image, budget_of(program.data))

@@ -9,8 +9,8 @@ from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
-
 from equilux.adapter import Limits, Program, RawRender, RendererFailed
+
 from equilux_adapters.vtk.knobs import VtkKnobs
 
 IMAGE = "image.npy"
@@ -35,6 +35,7 @@ def _start() -> float:
         return 0.0
     before = time.perf_counter()
     from vtkmodules.vtkCommonCore import vtkOutputWindow
+
     from equilux_adapters.vtk.kit import stage
 
     output = vtkOutputWindow.GetInstance()

@@ -9,29 +9,18 @@ from collections.abc import Iterable, Sequence
 from typing import Any
 
 import numpy as np
-
 from equilux.adapter import Case, Program, Unsupported
-from equilux_adapters.vtk.capabilities import CAPABILITIES
-from equilux_adapters.vtk.coincident import set_backs
-from equilux_adapters.vtk.geometry import geometry_of
-from equilux_adapters.vtk.knobs import VtkKnobs
-from equilux_adapters.vtk.source import kit_source, names_in
 from equilux_scenes.mesh import TriangleMesh
 from equilux_scenes.model import DirectionalLight, Light, Material, Object, PointLight, Scene, SpotLight
-from equilux_scenes.transforms import matrix
+
+from equilux_adapters.vtk.budget import facts_of
+from equilux_adapters.vtk.capabilities import CAPABILITIES
+from equilux_adapters.vtk.coincident import set_backs
+from equilux_adapters.vtk.drawing import arguments
+from equilux_adapters.vtk.knobs import VtkKnobs
+from equilux_adapters.vtk.source import kit_source, names_in
 
 ENTRY = "scene.py"
-
-_SHAPE_KEYS = {
-    "sphere": {"center": "center", "radius": "radius"},
-    "plane": {"point": "point", "normal": "normal"},
-    "box": {"min": "low", "max": "high"},
-    "disc": {"center": "center", "normal": "normal", "radius": "radius"},
-    "rectangle": {"corner": "corner", "edge_u": "edge_u", "edge_v": "edge_v"},
-    "cylinder": {"base": "base", "top": "top", "radius": "radius", "capped": "capped"},
-    "mesh": {},
-}
-_TESSELLATED = {"sphere", "disc", "cylinder"}
 
 
 def translate(case: Case, knobs: VtkKnobs) -> Program:
@@ -41,7 +30,7 @@ def translate(case: Case, knobs: VtkKnobs) -> Program:
         raise Unsupported(missing, f"VTK cannot express {', '.join(missing)}")
     files = {ENTRY: script(case, knobs).encode()}
     files |= {f"mesh-{index}.npz": _mesh_file(mesh) for index, mesh in case.meshes.items()}
-    return Program(files, ENTRY, geometry_of(case, knobs))
+    return Program(files, ENTRY, facts_of(case, knobs))
 
 
 def script(case: Case, knobs: VtkKnobs) -> str:
@@ -78,7 +67,8 @@ def _body(case: Case, knobs: VtkKnobs) -> list[str]:
     ]
     lines += _list("objects", objects)
     if any(steps := set_backs(case)):  # Q12
-        lines.append(f"objects = set_back(view, objects, steps={tuple(steps)})")
+        lines.append(f"apart = set_back(view, [mesh for mesh, _ in objects], steps={tuple(steps)})")
+        lines.append("objects = [(mesh, surface) for mesh, (_, surface) in zip(apart, objects)]")
     return [*lines, f"return render(view, {_tuple(scene.background)}, lights, objects)"]
 
 
@@ -135,14 +125,10 @@ def _light(light: Light) -> str:
 
 
 def _shape(index: int, obj: Object, knobs: VtkKnobs) -> str:
-    arguments = [f"{to}={_value(getattr(obj, key))}" for key, to in _SHAPE_KEYS[obj.kind].items()]
+    given = [f"{name}={_value(value)}" for name, value in arguments(obj, knobs).items()]
     if obj.kind == "mesh":
-        arguments.append(f'**read_mesh("mesh-{index}.npz")')
-    if obj.kind in _TESSELLATED:
-        arguments.append(f"segments={knobs.tessellation}")
-    if obj.transform:
-        arguments.append(f"matrix=[{', '.join(_tuple(row) for row in matrix(obj))}]")
-    return f"{obj.kind}(view, {', '.join(arguments)})"
+        given.insert(0, f'**read_mesh("mesh-{index}.npz")')
+    return f"{obj.kind}({', '.join(['view', *given])})"
 
 
 def _list(name: str, items: Sequence[tuple[str, str]]) -> list[str]:
@@ -163,7 +149,7 @@ def _mesh_file(mesh: TriangleMesh) -> bytes:
 def _value(value: Any) -> str:
     if isinstance(value, bool):
         return str(value)
-    return _tuple(value) if isinstance(value, tuple) else _number(value)
+    return f"({', '.join(_value(part) for part in value)})" if isinstance(value, tuple) else _number(value)
 
 
 def _tuple(values: Iterable[float]) -> str:

@@ -12,14 +12,13 @@ from typing import Any
 
 import numpy as np
 
-from equilux_adapters.vtk.kit.view import Mesh, View, place
+from equilux_adapters.vtk.kit.view import View
 
 Array = Any
 
-FACET_MIN_PX = 1 / 64
+FACET_MIN_PX = 1 / 128
 """Facets are not made narrower on the film: corners are moved to multiples of 1/256 pixel, and a facet that this turns over is lit from
-behind."""
-
+behind (Q11)."""
 
 CHORD_PX = 1 / 64
 """How far on the film a chord may stay off its circle, at 256 segments."""
@@ -37,8 +36,8 @@ class Scale:
     stretch: float
 
 
-def film_scale(view: View, matrix: Array | None, points: Array, reach: float) -> Scale:
-    """The scale near `points` of object space, give or take `reach`.
+def film_scale(view: View, matrix: Array | None, points: Array, reach: float, clearance: float = 0.0) -> Scale:
+    """The scale near `points` of object space, give or take `reach`; nothing of it is nearer to the eye than `clearance`.
 
     What is nearer than a thousandth of the farthest depth counts as that, and what is more than four times as far as the nearest as
     four times: no division serves both ends of what reaches over more.
@@ -49,8 +48,8 @@ def film_scale(view: View, matrix: Array | None, points: Array, reach: float) ->
         return Scale(view.pixels_per_unit * factors[-1], view.pixels_per_unit * factors[0], factors[0] / factors[-1])
     depth = (np.atleast_2d(points) @ linear.T + (shift - view.eye)) @ view.forward
     far = max(float(np.max(depth) + reach * factors[0]), 1e-300)
-    near = min(max(float(np.min(depth) - reach * factors[0]), far / 1e3), far)
     oblique = np.sqrt(1 + view.half_height**2 + view.half_width**2)
+    near = min(max(float(np.min(depth) - reach * factors[0]), clearance * factors[-1] / oblique, far / 1e3), far)
     small, large = view.pixels_per_unit * factors[-1] / min(far, 4 * near), view.pixels_per_unit * factors[0] / near * oblique
     return Scale(small, large, factors[0] / factors[-1])
 
@@ -69,8 +68,11 @@ class Round:
     across: Array
 
 
-def divide(distance: float, segments: int, radius: float, scale: Scale) -> Round:
-    """Angles of a circle seen from `distance` radii away (inf: parallel rays), at a tolerance of (2π/segments)²/8 on the normal."""
+def divide(distance: float, segments: int, radius: float, scale: Scale, largest: float) -> Round:
+    """Angles of a circle seen from `distance` radii away (inf: parallel rays), at a tolerance of (2π/segments)²/8 on the normal.
+
+    largest: no step is greater, radians.
+    """
 
     def steepness(angles: Array) -> Array:
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -80,7 +82,6 @@ def divide(distance: float, segments: int, radius: float, scale: Scale) -> Round
 
     tolerance = (2 * np.pi / segments) ** 2 / 8 / scale.stretch
     smallest = FACET_MIN_PX / (radius * scale.small)
-    largest = 2 * np.pi / max(segments * np.sqrt(2), sectors(segments, radius, scale))
 
     def wanted(tan_i: Array) -> Array:
         return np.minimum(np.sqrt(4 * tolerance / np.maximum(tan_i, 1e-300)), largest)
@@ -132,14 +133,20 @@ def eye_in_object(view: View, matrix: Array | None) -> tuple[Array, Array]:
     return inverse @ (view.eye - matrix[:3, 3]), -inverse @ view.forward
 
 
+def sphere_scale(view: View, center: Array, radius: float, matrix: Array | None) -> Scale:
+    """The scale near a sphere's surface."""
+    eye, _ = eye_in_object(view, matrix)
+    return film_scale(view, matrix, center, radius, abs(float(np.linalg.norm(eye - np.asarray(center))) - radius))
+
+
 def sphere_division(view: View, center: Array, radius: float, segments: int, matrix: Array | None = None) -> tuple[Array, Round, Array]:
     """Axes (w towards the eye), the meridian's division, and the number of points on each parallel (a power of two times 8)."""
     center = np.asarray(center, dtype=float)
     eye, against = eye_in_object(view, matrix)
     axes = axes_towards(against if view.parallel or np.allclose(eye, center, rtol=0, atol=1e-12 * radius) else eye - center)
-    scale = film_scale(view, matrix, center, radius)
+    scale = sphere_scale(view, center, radius, matrix)
     distance = np.inf if view.parallel else float(np.linalg.norm(eye - center)) / radius
-    meridian = divide(distance, segments, radius, scale)
+    meridian = divide(distance, segments, radius, scale, np.sqrt(2) * np.pi / segments)
     levels = np.ceil(np.log2(np.maximum(2 * np.pi * np.sin(meridian.angles) / meridian.across / 8, 1))).astype(int)
     # parallels next to each other differ by a factor of two at most
     for k in range(len(levels) - 2, 0, -1):

@@ -71,7 +71,7 @@ def cylinder_division(view: View, base: Array, top: Array, radius: float, segmen
         u, v = (aside[0] * u + aside[1] * v) / np.linalg.norm(aside), (aside[0] * v - aside[1] * u) / np.linalg.norm(aside)
     scale = film_scale(view, matrix, np.stack([base, top]), radius)
     distance = np.inf if view.parallel else float(np.linalg.norm(aside)) / radius
-    return np.stack([u, v, w]), divide(distance, segments, radius, scale)
+    return np.stack([u, v, w]), divide(distance, segments, radius, scale, 2 * np.pi / sectors(segments, radius, scale))
 
 
 def cylinder(

@@ -1,0 +1,107 @@
+"""The uncertainty budget of a script's picture. u = 2^-24, half a unit in the last place of single precision.
+
+Constants are derived, not fitted: each reason says from what; tests show that none is exceeded and that each is approached.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from equilux.adapter import Bound, Budget, Case, Geometric
+from equilux_scenes.model import DirectionalLight, SpotLight
+
+from equilux_adapters.vtk.geometry import geometry_of, reach_of, set_back_of, view_of
+from equilux_adapters.vtk.knobs import VtkKnobs
+
+U = 2.0**-24
+
+SNAP_PX = 1 / 256
+"""Corners are moved to multiples of 1/256 pixel, so by 1/512 along either axis; an edge moves by √2/512 at most."""
+
+DIRECTION_ROUNDINGS = 8
+"""Of a unit vector in the shader (N, L or V): three interpolated or subtracted components at 2 u each, and the normalisation's 2 u."""
+
+COSINE_ROUNDINGS = 6
+"""Of a cosine near 1 in the shader: the lengths of two vectors made unit, 2 u each, and the sum of three products, 2 u. What turns the
+vectors is in the direction term; what changes their length moves R·V even where turning them does not, at the top of a highlight."""
+
+LIGHT_ROUNDINGS = 12
+"""Of one light's contribution beyond its cosines: r² (4 u), the attenuation's sum and quotient (3 u), three factors (3 u), log2 and exp2
+(2 u)."""
+
+
+POSITION_ROUNDINGS = 6
+"""Of a point's coordinates relative to the eye: to single precision, the rotation into view coordinates, the interpolation; likewise of
+a light's position."""
+
+
+def facts_of(case: Case, knobs: VtkKnobs) -> dict[str, Any]:
+    """JSON: what `budget_of` needs to know of the case; it travels with the program."""
+    scene = case.scene
+    facts: dict[str, Any] = {"tessellation": geometry_of(case, knobs), "set_back_m": set_back_of(case, knobs), "lights": len(scene.lights)}
+    exponents = [scene.materials[obj.material].exponent for obj in scene.objects if any(scene.materials[obj.material].specular)]
+    exponents += [light.exponent for light in scene.lights.values() if isinstance(light, SpotLight)]
+    facts["exponent"] = max((min(exponent, 128.0) for exponent in exponents), default=0.0)  # Q5, Q7
+    facts["reach_m"] = _reach(case)
+    facts["cone_px"] = _cone_px(case)
+    return facts
+
+
+def _reach(case: Case) -> dict[str, float]:
+    """Per object, how far from the eye positions still matter: rounding is relative to that distance.
+
+    Beyond twice the distance of the farthest light from the eye, the light is at least half as far from the point as the eye is, and
+    rounding of the position changes the light's distance and direction by less than the roundings of directions that are stated anyway.
+    """
+    eye = np.asarray(case.scene.camera.eye)
+    lights = [light for light in case.scene.lights.values() if not isinstance(light, DirectionalLight)]
+    farthest = max((2 * float(np.linalg.norm(np.asarray(light.position) - eye)) for light in lights), default=0.0)
+    return {str(index): min(reach_of(case, index), farthest) for index in range(len(case.scene.objects))} if farthest else {}
+
+
+def _cone_px(case: Case) -> float:
+    """How far on the film rounding displaces the border of a cone: its cosine is off by some u, its angle by that over its sine."""
+    scene = case.scene
+    view = view_of(scene.camera, scene.film)
+    worst = 0.0
+    for light in scene.lights.values():
+        if isinstance(light, SpotLight):
+            angle = COSINE_ROUNDINGS * U / math.sin(math.radians(light.cone_half_angle_deg))
+            away = float(np.linalg.norm(np.asarray(light.position) - view.eye))
+            # as large as when the eye is as far from the border as the light is
+            worst = max(worst, angle * view.pixels_per_unit * (away if view.parallel else 1.0))
+    return worst
+
+
+def budget_of(facts: Mapping[str, Any]) -> Budget:
+    """The terms. Constant colours (emission, ambient, background) are exact but for their storage."""
+    facets = facts["tessellation"]
+    terms: list[Bound | Geometric] = [
+        Geometric("pixel grid", "corners are moved to multiples of 1/256 pixel, cones are cut in single precision", film_px=SNAP_PX + facts["cone_px"])
+    ]
+    if facets["normal"] or facets["film_px"]:
+        terms.append(Geometric("tessellation", "flat facets in place of round surfaces", **_per_object(facets)))
+    if facts["set_back_m"]:
+        terms.append(Geometric("set back", "surfaces in one place are drawn apart", position_m=_by_index(facts["set_back_m"])))
+    if facts["lights"]:
+        # an error of L or V counts half as much as one of N, in R·V
+        terms.append(
+            Geometric(
+                "single precision", "normals, positions and directions in the shader", normal=2 * DIRECTION_ROUNDINGS * U,
+                position_m={index: POSITION_ROUNDINGS * U * reach for index, reach in _by_index(facts["reach_m"]).items()},
+            )
+        )
+        roundings = LIGHT_ROUNDINGS + facts["lights"] + COSINE_ROUNDINGS * facts["exponent"]
+        terms.append(Bound("shader arithmetic", "rounding of each light's terms and of their sum", rel=roundings * U))
+    return Budget(tuple(terms))
+
+
+def _per_object(facets: Mapping[str, Any]) -> dict[str, Any]:
+    return {"normal": _by_index(facets["normal"]), "position_m": _by_index(facets["position_m"]), "film_px": facets["film_px"]}
+
+
+def _by_index(values: Mapping[str, float]) -> dict[int, float]:
+    return {int(index): value for index, value in values.items()}
