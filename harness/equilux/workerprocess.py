@@ -104,10 +104,10 @@ class WorkerProcess:
             answer = self._expect(self._receive(deadline), "done", job.number)
             outcome = _outcome(answer["outcome"])
         except wire.TookTooLong:
-            self.kill()
+            self._put_down()
             outcome = Outcome("timeout", f"no picture within {job.limits.timeout_s:g} s; its process group was ended")
         except wire.Garbage as problem:
-            self.kill()
+            self._put_down()
             outcome = Outcome("failed", f"the worker wrote garbage instead of a reply: {problem}")
         except wire.Closed as problem:
             if not accepted and self._over is None:
@@ -132,6 +132,10 @@ class WorkerProcess:
         """End the worker and everything it started, at once. May be called from any thread."""
         self._over = self._over or why
         self.tree.kill()
+
+    def _put_down(self) -> None:
+        self.kill()
+        self._process.wait()
 
     def _receive(self, deadline: float) -> dict[str, Any]:
         payload = wire.receive(self._replies, deadline, wire.MAX_REPLY)
@@ -159,8 +163,7 @@ class WorkerProcess:
         try:
             code = self._process.wait(GRACE_S)
         except subprocess.TimeoutExpired:
-            self.kill()  # it closed its pipe and lives on: as good as dead to us
-            self._process.wait()
+            self._put_down()  # it closed its pipe and lives on: as good as dead to us
             return 0, "it closed its reply pipe"
         return code, (f"signal {-code}, {signal_name(-code)}" if code < 0 else f"exit status {code}")
 
