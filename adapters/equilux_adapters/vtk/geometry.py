@@ -186,10 +186,10 @@ def set_back_of(case: Case, knobs: VtkKnobs) -> dict[str, float]:
     if not any(steps):
         return {}
     view = view_of(case.scene.camera, case.scene.film)
-    seen = [in_frame(view, build(case, index, view, knobs)) for index in range(len(steps))]
-    moved = set_back(view, seen, steps)
+    meshes = [build(case, index, view, knobs) for index in range(len(steps))]
+    moved = set_back(view, meshes, steps)
     return {
-        str(index): float(np.max(np.linalg.norm(after.points - before.points, axis=1), initial=0.0))
-        for index, (before, after) in enumerate(zip(seen, moved, strict=True))
+        str(index): float(np.max(np.linalg.norm(after.points - in_frame(view, before).points, axis=1), initial=0.0))
+        for index, (before, after) in enumerate(zip(meshes, moved, strict=True))
         if steps[index]
     }
