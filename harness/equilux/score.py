@@ -125,7 +125,8 @@ def _read_picture(path: Path) -> ForeignImage:
     if kind == "png" and PNG_END not in path.read_bytes():
         raise BadUsage(f"'{path}' is cut short: the end marker of PNG is missing")
     image = np.ascontiguousarray(pixels[..., bands])
-    return ForeignImage(image, Budget(_format_terms(path, image, numbers, kind)), tuple(_notes(spec, bands, numbers, kind, image)))
+    budget = Budget(_format_terms(path, image, numbers, kind))
+    return ForeignImage(image, budget, tuple(_notes(spec, bands, numbers, kind, image)))
 
 
 def _refuse_what_is_no_film(path: Path, spec: Any) -> None:
@@ -136,7 +137,7 @@ def _refuse_what_is_no_film(path: Path, spec: Any) -> None:
     data = (spec.x, spec.y, spec.width, spec.height)
     display = (spec.full_x, spec.full_y, spec.full_width, spec.full_height)
     if data != display:
-        raise BadUsage(f"'{path}': data window {_window(data)}, allowed the display window {_window(display)} (write the whole film)")
+        raise BadUsage(f"'{path}': data window {_window(data)}, allowed the display window, {_window(display)}")
     orientation = spec.get_int_attribute("Orientation", 1)
     if orientation != 1:
         raise BadUsage(f"'{path}': orientation {orientation}, allowed 1 (row 0 on top, left to right)")

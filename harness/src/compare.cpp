@@ -432,10 +432,15 @@ void percentiles(const Job& job, const FirstPass& pass, unsigned threads, std::s
     buckets[i] = places[i].bucket;
   }
   Candidates candidates = gather(job, buckets, threads, chunks);
+  std::array<std::ptrdiff_t, 3> settled{};  // values before this place are no larger than those after it
   for (std::size_t i = 0; i < 3; ++i) {
     if (buckets[i] == kBuckets) continue;
     const auto which = static_cast<std::size_t>(std::find(buckets.begin(), buckets.end(), buckets[i]) - buckets.begin());
-    result.percentiles[i] = value_of_rank(candidates[which], places[i].rank);
+    std::vector<double>& values = candidates[which];
+    const auto rank = static_cast<std::ptrdiff_t>(places[i].rank);  // no smaller than that of a lower percentile in the same bucket
+    std::nth_element(values.begin() + settled[which], values.begin() + rank, values.end());
+    settled[which] = rank;
+    result.percentiles[i] = values[places[i].rank];
   }
 }
 
