@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -82,7 +83,7 @@ def pixel_centers(film: Film) -> Array:
 def _examine_slice(
     scene: Scene, objects: list[Body], positions: Array
 ) -> tuple[Array, Array, Array, Array, npt.NDArray[np.int64]]:
-    seen = first_seen(objects, film_rays(scene.camera, scene.film, positions))
+    seen = first_seen(objects, film_rays(scene.camera, scene.film, positions), math.hypot(*scene.camera.eye))
     hit = np.flatnonzero(seen.object_id >= 0)
     value, bound, scale = np.tile(np.asarray(scene.background), (len(positions), 1)), *np.zeros((2, len(positions), 3))
     facing = np.ones(len(positions))

@@ -96,12 +96,13 @@ def _ray(camera: PerspectiveCamera | OrthographicCamera, film: Film, x: mpf, y: 
 
 def _first_seen(scene: Scene, origin: Vector, direction: Vector) -> Seen | None:
     best: tuple[mpf, int, Vector] | None = None
+    coordinates = _length(_exact(scene.camera.eye)) / _length(direction)
     for index, shape in enumerate(scene.objects):
         m = mp.matrix(matrix(shape).tolist())
         inverse = m**-1
         local_origin, local_direction = _apply(inverse, origin, 1), _apply(inverse, direction, 0)
         for t, normal in _crossings(shape, local_origin, local_direction):
-            if t > 0 and (best is None or t < best[0] * (1 - mpf(10) ** -13)):
+            if t > 0 and (best is None or best[0] - t > (best[0] + coordinates) * mpf(2) ** -50):
                 best = (t, index, _apply(inverse.T, normal, 0))
     if best is None:
         return None

@@ -17,16 +17,15 @@ from equilux_oracle.placement import Placement, placement
 from equilux_oracle.shapes import Primitive, primitive_of
 from equilux_oracle.shapes.crossing import each_ray
 
-TIE = 1e-13
-"""Crossings nearer to each other than this share of t are one crossing. Surfaces that the spec makes coincide do so only up to
-the rounding of the numbers that describe them (a rotation's matrix), and which of them is seen must not depend on that
+TIE = 2.0**-50
+"""Crossings nearer to each other than this share of the distance and of the eye's coordinates are one crossing. Surfaces that a
+spec makes coincide do so only up to the rounding of the numbers that describe them, and which of them is seen must not depend on that
 rounding (Q2 of the oracle adapter's QUIRKS.md)."""
 
 
 @dataclass(frozen=True)
 class Visible:
-    """For n rays: the object's index (−1: none), the point relative to the eye, the unit normal on the viewer's side, unit
-    to-viewer."""
+    """For n rays: the object's index (−1: none), the point relative to the eye, N on the viewer's side, and V; both unit."""
 
     object_id: np.ndarray[tuple[int], np.dtype[np.int64]]
     point: DD
@@ -54,18 +53,19 @@ def bodies(scene: Scene) -> list[Body]:
     return result
 
 
-def first_seen(objects: list[Body], rays: Rays) -> Visible:
-    """The visible point of each ray."""
+def first_seen(objects: list[Body], rays: Rays, eye_distance: float) -> Visible:
+    """The visible point of each ray; `eye_distance`, from the origin, says how finely the scene's coordinates are rounded."""
     object_id = np.full(rays.count, -1)
     t, normal = DD(np.full(rays.count, np.inf)), DD(np.zeros((3, rays.count)))
     # A ray that misses leaves Inf and NaN behind in quantities that only hits use.
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+        coordinates = np.broadcast_to(eye_distance / np.linalg.norm(rays.direction.hi, axis=0), (rays.count,))
         for index, body in enumerate(objects):
             near = np.flatnonzero(_passes(body, rays))
             if len(near) == 0:
                 continue
             crossing = body.primitive.cross(*body.placement.to_object(rays[near], DD(body.primitive.anchor.reshape(3, 1))))
-            nearer = crossing.hit & ((t.hi[near] == np.inf) | (crossing.t < t[near] * (1.0 - TIE)))
+            nearer = crossing.hit & ((object_id[near] < 0) | ((t[near] - crossing.t).hi > TIE * (coordinates[near] + t.hi[near])))
             chosen = near[nearer]
             object_id[chosen] = index
             _assign(t, chosen, crossing.t[nearer])
