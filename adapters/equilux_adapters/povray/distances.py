@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 import numpy as np
 import numpy.typing as npt
 from equilux_scenes.case import Case
 from equilux_scenes.mesh import TriangleMesh
-from equilux_scenes.model import Box, Cylinder, Disc, Mesh, Object, Plane, Rectangle, Sphere
+from equilux_scenes.model import Box, Cylinder, Disc, Object, Plane, Rectangle, Sphere
 from equilux_scenes.transforms import matrix, unit
 
 Vector = npt.NDArray[np.float64]
@@ -37,29 +35,6 @@ def extremes(case: Case, index: int) -> Vector | None:
     to_world = matrix(obj)
     world: Vector = local @ to_world[:3, :3].T + to_world[:3, 3]
     return world
-
-
-def sizes(case: Case, index: int) -> Iterator[float]:
-    """The lengths, metres, that describe object `index`: radii, edges, heights; the extent of a mesh."""
-    obj = case.scene.objects[index]
-    scale = np.linalg.svd(matrix(obj)[:3, :3], compute_uv=False)
-    for size in _local_sizes(obj, case.meshes.get(index)):
-        yield size * float(scale[-1])
-        yield size * float(scale[0])
-
-
-def _local_sizes(obj: Object, mesh: TriangleMesh | None) -> list[float]:
-    if isinstance(obj, Sphere | Disc):
-        return [obj.radius]
-    if isinstance(obj, Box):
-        return [abs(b - a) for a, b in zip(obj.min, obj.max, strict=True) if a != b]
-    if isinstance(obj, Rectangle):
-        return [_length(obj.edge_u), _length(obj.edge_v)]
-    if isinstance(obj, Cylinder):
-        return [obj.radius, _length(np.subtract(obj.top, obj.base))]
-    if isinstance(obj, Mesh) and mesh is not None:
-        return [float(np.linalg.norm(np.ptp(mesh.vertices, axis=0)))]
-    return []
 
 
 def _length(vector: npt.ArrayLike) -> float:
@@ -138,20 +113,28 @@ def _to_cylinder(obj: Cylinder, point: Vector) -> float:
 
 def to_triangles(corners: npt.NDArray[np.float64], point: Vector) -> float:
     """The smallest distance from `point` to triangles `corners` (n, 3, 3)."""
-    smallest = np.inf
-    for a, b in ((0, 1), (1, 2), (2, 0)):
-        edge = corners[:, b] - corners[:, a]
-        square = np.einsum("ij,ij->i", edge, edge)
-        t = np.einsum("ij,ij->i", point - corners[:, a], edge) / np.where(square > 0, square, 1.0)
-        rest = point - corners[:, a] - np.clip(t, 0.0, 1.0)[:, None] * edge
-        smallest = min(smallest, float(np.linalg.norm(rest, axis=1).min()))
-    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    square = np.einsum("ij,ij->i", normal, normal)
-    over = square > 0
-    for a, b in ((0, 1), (1, 2), (2, 0)):
-        inwards = np.cross(normal, corners[:, b] - corners[:, a])
-        over &= np.einsum("ij,ij->i", point - corners[:, a], inwards) >= 0
-    if over.any():
-        height = np.einsum("ij,ij->i", point - corners[over, 0], normal[over]) / np.sqrt(square[over])
-        smallest = min(smallest, float(np.abs(height).min()))
-    return smallest
+    # no triangle farther than the nearest corner, by its centre and radius, can be nearest
+    to_corners = corners - point
+    nearest_corner = np.sqrt(np.einsum("nij,nij->ni", to_corners, to_corners).min())
+    middles = corners.mean(axis=1)
+    radii = np.linalg.norm(corners - middles[:, None], axis=2).max(axis=1)
+    close = corners[np.linalg.norm(middles - point, axis=1) - radii <= nearest_corner]
+    return min(_to_edges(close, point), _to_interiors(close, point))
+
+
+def _to_edges(corners: npt.NDArray[np.float64], point: Vector) -> float:
+    edges = np.roll(corners, -1, axis=1) - corners
+    offsets = point - corners
+    squares = np.einsum("nij,nij->ni", edges, edges)
+    along = np.einsum("nij,nij->ni", offsets, edges) / np.where(squares > 0, squares, 1.0)
+    return float(np.linalg.norm(offsets - np.clip(along, 0.0, 1.0)[..., None] * edges, axis=2).min())
+
+
+def _to_interiors(corners: npt.NDArray[np.float64], point: Vector) -> float:
+    edges = np.roll(corners, -1, axis=1) - corners
+    normals = np.cross(edges[:, 0], edges[:, 1])
+    lengths = np.linalg.norm(normals, axis=1)
+    inwards = np.cross(normals[:, None], edges)
+    over = (lengths > 0) & (np.einsum("nij,nij->ni", point - corners, inwards) >= 0).all(axis=1)
+    heights = np.einsum("ij,ij->i", point - corners[over, 0], normals[over]) / lengths[over]
+    return float(np.abs(heights).min(initial=np.inf))

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
 from equilux.adapter import Unsupported
 from equilux_scenes.case import Case
-from equilux_scenes.model import Box, Camera, PerspectiveCamera, Plane, Rectangle, Sphere
+from equilux_scenes.model import Box, Camera, Object, PerspectiveCamera, Plane, Rectangle, Sphere
 from equilux_scenes.transforms import matrix, unit
 
 from equilux_adapters.povray import distances
@@ -22,6 +23,8 @@ SQUARED_CHORD = 1e-10  # units²; a sphere hit with a shorter half-chord is a mi
 BOX_CORNER = 1e-6  # units of depth; nearer to an edge of a box the face may be taken wrongly (Q15)
 PLANE_DEPTH = 1e7  # units; a plane farther along the ray is a miss (Q14)
 BOX_ROUNDING = 4 * 2.0**-24  # relative; bounding boxes, the ray's origin and 1/direction are float32 (Q16)
+LEAST_PX = 1e-6  # double rounding of rays and crossings
+REMOTE = 16.0  # an eye farther from the origin than this many extents of the scene becomes the origin
 TOLERABLE_PX = 0.01  # beyond this the unit is chosen for accuracy instead of readability
 
 
@@ -38,9 +41,11 @@ class View:
     perspective: bool
     pixel: float  # radians at the middle of the film, or metres
 
-    def film_px(self, angle: float) -> float:
-        """How far, in pixels, an error of `angle` radians in a ray moves a point on the film: most in the corners."""
-        return angle * (1.0 + (self.width**2 + self.height**2) / 4.0) / self.pixel
+    def film_px(self, error: float) -> float:
+        """How far, in pixels, an error of a ray's direction (radians; orthographic: place, metres) moves a point on the film."""
+        # an angle counts most in the corners
+        spread = 1.0 + (self.width**2 + self.height**2) / 4.0 if self.perspective else 1.0
+        return error * spread / self.pixel
 
 
 @dataclass(frozen=True)
@@ -83,77 +88,77 @@ def _film_height(camera: Camera) -> float:
     return camera.height_m
 
 
+@dataclass(frozen=True)
+class _Seen:
+    """An object as the eye sees it: a lower bound of its distance (orthographic: 1); points that enclose it if it is finite."""
+
+    obj: Object
+    distance: float
+    hull: Vector | None
+
+
 def choose(case: Case) -> Frame:
     """The world's own frame where it is good enough, else one shifted to the eye and scaled by a power of ten.
 
     Raises Unsupported when the scene spans more lengths than POV-Ray's absolute tolerances leave room for.
     """
     camera = view(case)
-    near, far = _hit_range(case, camera)
-    origin = _origin(case, camera, far)
-    scales = [1.0] + [10.0**n for n in range(-8, 9) if n]
-    fitting = [s for s in scales if _fits(near, far, s)]
+    objects = [_seen(case, camera, index) for index in range(len(case.scene.objects))]
+    near, far = _hit_range(camera, objects)
+    fitting = [s for s in [1.0] + [10.0**n for n in range(-8, 9) if n] if near * s >= NEAREST_HIT and far * s <= FARTHEST_HIT]
     if not fitting:
         shapes = sorted({f"shape.{obj.kind}" for obj in case.scene.objects})
         span = f"from {near:g} m to {far:g} m in front of the eye"
         raise Unsupported(shapes, f"surfaces {span}: POV-Ray sees {NEAREST_HIT:g} to {FARTHEST_HIT:g} of its units")
-    errors = {s: film_error(case, camera, origin, s) for s in fitting}
+    origin = _origin(camera, far)
+    errors = {s: max([LEAST_PX] + [_object_error(camera, origin, s, seen) for seen in objects]) for s in fitting}
     best = fitting[0] if errors[fitting[0]] <= TOLERABLE_PX else min(fitting, key=lambda s: errors[s])
     return Frame(origin, best, errors[best])
 
 
-def _fits(near: float, far: float, scale: float) -> bool:
-    return near * scale >= NEAREST_HIT and far * scale <= FARTHEST_HIT
+def _seen(case: Case, camera: View, index: int) -> _Seen:
+    distance = distances.nearest(case, index, camera.eye) if camera.perspective else 1.0
+    return _Seen(case.scene.objects[index], distance, distances.extremes(case, index))
 
 
-def _hit_range(case: Case, camera: View) -> tuple[float, float]:
-    """Bounds of the depths at which finite objects can be hit. An eye on a surface counts not."""
+def _hit_range(camera: View, objects: Sequence[_Seen]) -> tuple[float, float]:
+    """Bounds of the depths at which finite objects can be hit. A surface that the eye lies on counts not."""
     near, far = math.inf, 0.0
-    for index in range(len(case.scene.objects)):
-        if camera.perspective:
-            near = min(near, distances.nearest(case, index, camera.eye) or math.inf)
-        hull = distances.extremes(case, index)
-        if hull is not None:
-            far = max(far, float(np.linalg.norm(hull - camera.eye, axis=1).max()))
-            if not camera.perspective:
-                depths = (hull - camera.eye) @ camera.forward
-                near = min(near, float(depths.min())) if depths.min() > 0 else near
-        elif not camera.perspective:
-            far = max(far, camera.height)
+    for seen in objects:
+        if camera.perspective and seen.distance > 0:
+            near = min(near, seen.distance)
+        if seen.hull is None:
+            continue
+        offsets = seen.hull - camera.eye
+        depths = np.linalg.norm(offsets, axis=1) if camera.perspective else offsets @ camera.forward
+        far = max(far, float(depths.max()))
+        if not camera.perspective and depths.min() > 0:
+            near = min(near, float(depths.min()))
     return (near, max(near, far)) if math.isfinite(near) else (1.0, max(1.0, far))
 
 
-def _origin(case: Case, camera: View, far: float) -> Vector:
+def _origin(camera: View, far: float) -> Vector:
     """Zero, unless the scene lies so far from it that float32 bounding boxes would be coarse: then the eye (Q16)."""
-    remote = float(np.abs(camera.eye).max()) > 16.0 * max(far, camera.height if not camera.perspective else 0.0, 1e-300)
-    return camera.eye.copy() if remote else np.zeros(3)
+    extent = far if camera.perspective else max(far, camera.height, camera.width)
+    return camera.eye.copy() if float(np.abs(camera.eye).max()) > REMOTE * extent else np.zeros(3)
 
 
-def film_error(case: Case, camera: View, origin: Vector, scale: float) -> float:
-    """A bound, in pixels, on how far POV-Ray's tolerances displace silhouettes and edges: the worst object counts."""
-    return max([1e-6] + [_object_error(case, camera, origin, scale, index) for index in range(len(case.scene.objects))])
-
-
-def _object_error(case: Case, camera: View, origin: Vector, scale: float, index: int) -> float:
-    obj = case.scene.objects[index]
-    distance = max(distances.nearest(case, index, camera.eye), NEAREST_HIT / scale) if camera.perspective else 1.0
-    if isinstance(obj, Sphere):
-        # the rim moves inwards by δ where δ (2 r − δ) = SQUARED_CHORD, measured in object space when there is a transform
-        linear = np.linalg.svd(matrix(obj)[:3, :3], compute_uv=False)
-        unit_per_metre = 1.0 if obj.transform else scale
-        shift = SQUARED_CHORD / (2.0 * obj.radius * unit_per_metre**2) * float(linear[0])
-        return camera.film_px(shift / distance)
-    if isinstance(obj, Box):
-        return camera.film_px(BOX_CORNER / scale / distance)
+def _object_error(camera: View, origin: Vector, scale: float, seen: _Seen) -> float:
+    """A bound, in pixels, on how far POV-Ray's tolerances displace the silhouettes and edges of one object."""
+    obj, distance = seen.obj, max(seen.distance, NEAREST_HIT / scale) if camera.perspective else 1.0
     if isinstance(obj, Rectangle):
         return 0.0
+    if isinstance(obj, Sphere):
+        # the rim moves inwards by δ where δ (2 r − δ) = SQUARED_CHORD, measured in object space when there is a transform
+        unit_per_metre = 1.0 if obj.transform else scale
+        stretch = float(np.linalg.svd(matrix(obj)[:3, :3], compute_uv=False)[0])
+        return camera.film_px(SQUARED_CHORD / (2.0 * obj.radius * unit_per_metre**2) * stretch / distance)
+    if isinstance(obj, Box):
+        return camera.film_px(BOX_CORNER / scale / distance)
     if isinstance(obj, Plane):
-        # beyond PLANE_DEPTH the plane ends, before the horizon; the angle left is height / depth
-        height = abs(float(np.dot(unit(obj.normal), camera.eye - np.array(obj.point)))) if not obj.transform else distance
-        return camera.film_px(height * scale / PLANE_DEPTH) if camera.perspective else 0.0
+        # beyond PLANE_DEPTH the plane ends, before the horizon; the angle left is at most height / depth
+        return camera.film_px(distance * scale / PLANE_DEPTH) if camera.perspective else 0.0
     # every other shape is clipped by a float32 bounding box
-    hull = distances.extremes(case, index)
-    assert hull is not None
-    remote = float(max(np.abs(hull - origin).max(), np.abs(camera.eye - origin).max()))
-    span = distance if camera.perspective else 1.0
-    return camera.film_px(BOX_ROUNDING * (1.0 + remote / span))
+    assert seen.hull is not None
+    remote = float(max(np.abs(seen.hull - origin).max(), np.abs(camera.eye - origin).max()))
+    return camera.film_px(BOX_ROUNDING * (1.0 + remote / distance))

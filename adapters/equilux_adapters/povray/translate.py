@@ -16,8 +16,9 @@ from equilux_adapters.povray.frame import Frame
 from equilux_adapters.povray.knobs import PovrayKnobs
 from equilux_adapters.povray.lights import Lamp, lamps
 from equilux_adapters.povray.materials import Coefficients, coefficients, texture
+from equilux_adapters.povray.meshes import mesh_accuracy
 from equilux_adapters.povray.numbers import bands, matrix_modifier, number, vector
-from equilux_adapters.povray.shapes import mesh_accuracy, written
+from equilux_adapters.povray.shapes import written
 
 SCENE_FILE = "scene.pov"
 SETTINGS_FILE = "render.ini"
