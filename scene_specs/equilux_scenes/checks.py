@@ -15,7 +15,7 @@ from types import SimpleNamespace
 import numpy as np
 
 from equilux_scenes.causes import CAUSES, is_known
-from equilux_scenes.errors import hint, shortened
+from equilux_scenes.errors import hint, number_text, shortened
 from equilux_scenes.expectation import Comparison, WhenError, parse_when
 from equilux_scenes.limits import Limits, exceeded
 from equilux_scenes.meshes import MeshStore
@@ -144,7 +144,7 @@ def _attenuation_stays_positive(terms: SimpleNamespace, node: MapNode, context: 
 def _box_has_volume(box: SimpleNamespace, node: MapNode, context: Context) -> Iterator[Problem]:
     for axis, (low, high) in enumerate(zip(box.min, box.max, strict=True)):
         if low >= high:
-            yield Problem(("max", axis), f"a number > {low!r}, which is min[{axis}]")
+            yield Problem(("max", axis), f"a number > {number_text(low)}, which is min[{axis}]")
 
 
 @_check(Cylinder, needs=("base", "top"))

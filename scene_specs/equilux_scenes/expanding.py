@@ -80,12 +80,25 @@ class _Expansion:
         return scene, list(self.reader.errors)
 
     def _at_its_value(self, error: SpecError, picks: tuple[Pick, ...], name: str) -> SpecError:
-        """An error that stands at a swept value stays there; another one moves to the value that brings it about."""
-        if not picks or error.file != self.reader.source.file or any(self._inside(error, pick.value) for pick in picks):
+        """An error stands at the swept value that it is about, or else at the one that brings it about.
+
+        It names the case, unless the value is wrong by itself.
+        """
+        if not picks or error.file != self.reader.source.file:
             return error
-        alone = [pick for pick in picks if error in self._read((pick,))[1]]
+        alone = [pick for pick in picks if error in self._errors_of(pick)]
+        about = [pick for pick in picks if self._inside(error, pick.value)]
+        if about and alone:
+            return error
         place = (alone or list(picks))[0].value.place
-        return SpecError(error.file, place.line, place.column, f"{error.message} (in case '{name}')")
+        line, column = (error.line, error.column) if about else (place.line, place.column)
+        return SpecError(error.file, line, column, f"{error.message} (in case '{name}')")
+
+    def _errors_of(self, pick: Pick) -> list[SpecError]:
+        """The errors with that one value in place; found by a reader of its own, as this one reports no part twice."""
+        reader = Reader(self.reader.source, self.reader.context)
+        reader.scene(swept(self.root, (pick,)))
+        return reader.errors
 
     def _inside(self, error: SpecError, node: Node) -> bool:
         end = self.reader.source.place(node.place.end)

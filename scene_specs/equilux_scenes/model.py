@@ -196,15 +196,8 @@ class Rotation(Part):
     degrees: Number
 
 
-def _given(value: Any) -> Any:
-    """An optional key is left out, never written as null."""
-    if value is None:
-        raise ValueError("null")
-    return value
-
-
-NotNull = BeforeValidator(_given)
 Absent = SkipJsonSchema[None]
+"""Of a key that may be left out; written as null it is an error."""
 
 
 class TransformStep(Part):
@@ -212,11 +205,11 @@ class TransformStep(Part):
 
     model_config = ConfigDict(json_schema_extra={"minProperties": 1, "maxProperties": 1})
 
-    scale: Annotated[Factors | Absent, NotNull] = None
-    rotate: Annotated[Rotation | Absent, NotNull] = None
-    translate: Annotated[Vector3 | Absent, NotNull] = None
+    scale: Factors | Absent = None
+    rotate: Rotation | Absent = None
+    translate: Vector3 | Absent = None
     """Metres."""
-    matrix: Annotated[Matrix4 | Absent, NotNull] = None
+    matrix: Matrix4 | Absent = None
     """4×4, row by row, acting on column vectors; the last row is [0, 0, 0, 1]."""
 
 
@@ -303,13 +296,13 @@ class Mesh(Shape):
     kind: Literal["mesh"]
     normals: Annotated[Literal["flat", "smooth"], Allowed("flat or smooth")] = "flat"
     """flat: the triangles' own normals. smooth: vertex normals, where none are given those weighted by area and angle."""
-    file: Annotated[str | Absent, NotNull, Allowed("the name of a .obj or .ply file in the scene's folder")] = None
+    file: Annotated[str | Absent, Allowed("the name of a .obj or .ply file in the scene's folder")] = None
     """A .obj or .ply file in the scene's folder or below it."""
-    vertices: Annotated[Points | Absent, NotNull] = None
+    vertices: Points | Absent = None
     """Metres."""
-    faces: Annotated[Triangles | Absent, NotNull] = None
+    faces: Triangles | Absent = None
     """Triangles as vertex numbers, counted from 0."""
-    vertex_normals: Annotated[Points | Absent, NotNull] = None
+    vertex_normals: Points | Absent = None
     """One direction per vertex."""
 
 
@@ -333,7 +326,7 @@ class Expectation(Part):
     adapter: Annotated[str, Field(min_length=1), Allowed("the name of an adapter")]
     cause: Text
     """A cause id."""
-    when: Annotated[str | Absent, NotNull, Allowed("comparisons of sweep axes with numbers")] = None
+    when: Annotated[str | Absent, Allowed("comparisons of sweep axes with numbers")] = None
     """For which cases: `exponent > 128 and size == 1`."""
 
 

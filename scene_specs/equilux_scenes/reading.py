@@ -12,8 +12,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
-from types import SimpleNamespace
-from typing import Annotated, Any, Final, Literal, get_args, get_origin
+from types import SimpleNamespace, UnionType
+from typing import Annotated, Any, Final, Literal, Union, get_args, get_origin
 
 from pydantic import ConfigDict, TypeAdapter, ValidationError
 from pydantic.fields import FieldInfo
@@ -313,6 +313,8 @@ def _kind(annotation: Any, metadata: tuple[Any, ...], discriminator: Any) -> _Ki
     if origin is Annotated:
         field = next((item for item in annotation.__metadata__ if isinstance(item, FieldInfo)), None)
         return _kind(annotation.__origin__, annotation.__metadata__, field.discriminator if field is not None else None)
+    if origin in (Union, UnionType) and len(present := [item for item in arguments if not _is_none(item)]) == 1:
+        return _kind(present[0] if not metadata else Annotated[present[0], *metadata], (), None)
     parts = tuple(item for item in (arguments or (annotation,)) if isinstance(item, type) and issubclass(item, Part))
     if origin is dict:
         return _Many("mapping", _as_part(_kind(arguments[1], (), None)))
@@ -324,6 +326,11 @@ def _kind(annotation: Any, metadata: tuple[Any, ...], discriminator: Any) -> _Ki
         return _PartOf(parts, discriminator)
     adapter: TypeAdapter[Any] = TypeAdapter(Annotated[annotation, *metadata] if metadata else annotation, config=_STRICT)
     return _Leaf(adapter, _allowed(annotation, metadata), _words(annotation))
+
+
+def _is_none(annotation: Any) -> bool:
+    """What stands for a key that is left out. Null itself is never accepted."""
+    return annotation is type(None) or (get_origin(annotation) is Annotated and annotation.__origin__ is type(None))
 
 
 def _as_part(kind: _Kind) -> _PartOf:
