@@ -59,10 +59,18 @@ def _wrapped(name: str) -> str:
 
 
 def csp(*, single_file: bool) -> str:
-    """The content-security policy of a page: nothing from anywhere but the report itself, and no inline script but the one we wrote."""
+    """The content-security policy of a page: nothing from outside the report, and no inline script but the one we wrote."""
     digest = base64.b64encode(hashlib.sha256(script().encode()).digest()).decode("ascii")
     scripts = f"'sha256-{digest}'" if single_file else "'self' file:"
-    return f"default-src 'none'; script-src {scripts}; style-src 'self' file: 'unsafe-inline'; img-src 'self' file: data: blob:; base-uri 'none'; form-action 'none'"
+    rules = (
+        "default-src 'none'",
+        f"script-src {scripts}",
+        "style-src 'self' file: 'unsafe-inline'",
+        "img-src 'self' file: data: blob:",
+        "base-uri 'none'",
+        "form-action 'none'",
+    )
+    return "; ".join(rules)
 
 
 def _read(name: str) -> str:

@@ -1,4 +1,4 @@
-"""Builds the HTML report of a results tree: a folder of pages, or one file with everything in it. Old reports are replaced whole."""
+"""Builds the HTML report of a results tree: a folder of pages, or one file with all in it. Old reports are replaced whole."""
 
 from __future__ import annotations
 
@@ -27,9 +27,9 @@ MARKER = "equilux-report.json"
 def build(run: Path, *, out: Path | None = None, single_file: bool = False, case_filter: str | None = None) -> Path:
     """Build the report of the results tree `run` and return its index.html.
 
-    out: the report's folder, RUN/report by default; replaced as a whole once the new report is complete. single_file: everything in one
-    page. case_filter: only the cases that match (`*` and `?`). Raises FileNotFoundError if `run` is not a folder, FileExistsError if `out`
-    holds something that is not a report. What is missing in the tree is named in the report.
+    out: the report's folder, RUN/report by default; replaced whole once the new report is complete. single_file: all in one page.
+    case_filter: only the cases that match (`*` and `?`). What is missing in the tree is named in the report. Raises
+    FileNotFoundError if `run` is not a folder, FileExistsError if `out` holds something that is not a report.
     """
     out = (run / "report" if out is None else out).absolute()
     if not _replaceable(out):
@@ -38,7 +38,7 @@ def build(run: Path, *, out: Path | None = None, single_file: bool = False, case
     with _replacing(out) as folder:
         data = folder / "data"
         pictures = prepare(tree, data)
-        tree = replace(tree, problems=(*tree.problems, *(problem for case in pictures.values() for problem in case.problems)))
+        tree = _enriched(tree, pictures)
         (folder / MARKER).write_text(
             json.dumps({"schema": "equilux/report/1", "cases": len(tree.cases), "single_file": single_file}) + "\n"
         )
@@ -48,6 +48,16 @@ def build(run: Path, *, out: Path | None = None, single_file: bool = False, case
         else:
             _write_folder(tree, pictures, folder)
     return out / "index.html"
+
+
+def _enriched(tree: Run, pictures: dict[str, CasePictures]) -> Run:
+    """The run with what only the pictures could tell."""
+    problems = [problem for case in pictures.values() for problem in case.problems]
+    cases = []
+    for case in tree.cases:
+        places = pictures[case.name].first_invalid
+        cases.append(replace(case, pairs=tuple(replace(pair, first_invalid=places.get(pair.name)) for pair in case.pairs)))
+    return replace(tree, cases=tuple(cases), problems=(*tree.problems, *problems))
 
 
 def _write_folder(tree: Run, pictures: dict[str, CasePictures], folder: Path) -> None:

@@ -5,12 +5,15 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass
+from itertools import pairwise
 
+from equilux_report import numerals
 from equilux_report.facts import mapping, number, numbers
 from equilux_report.tree import CaseRecord, Pair, Run
 
-DECADES = (-9, 6)
+DECADES = (-6.25, 6.25)
 PER_DECADE = 4
+"""1 is an edge; the first column collects what is smaller still, zeros included, the last what is larger, ∞ included."""
 
 
 @dataclass(frozen=True)
@@ -51,30 +54,32 @@ class Calibration:
         """What the histogram says of the budget."""
         largest = self.largest_agreeing
         if largest is None:
-            return "no pair of this run agrees, so nothing is learnt of the budget"
-        if largest >= 0.1:
-            return "the budget is held and approached within a factor of ten: well calibrated"
+            return "No pair agrees, so nothing is learnt of the budget."
         if largest == 0:
-            return "no difference at all was found"
-        return f"the budget is held with room to spare: the largest error is a {1 / largest:.3g}th of it"
+            return "Agreeing pairs show no difference at all."
+        reach = f"Agreeing pairs reach {numerals.magnitude(largest)}: the budget is held"
+        if largest >= 0.1:
+            return f"{reach} and approached within a factor of ten. Well calibrated."
+        return f"{reach} with room to spare, {numerals.magnitude(1 / largest, 2)} times what is needed."
 
 
 def histogram(pair: Pair) -> tuple[list[float], list[int]]:
     """Edges and counts of a pair's |E_n|, or empty lists if the pair has none that line up."""
     facts = mapping(pair.facts, "en_histogram")
     edges, counts = numbers(facts, "edges"), numbers(facts, "counts")
-    return (edges, [int(value) for value in counts]) if len(edges) == len(counts) + 1 else ([], [])
+    fits = len(edges) == len(counts) + 1 and all(low < high for low, high in pairwise(edges)) and edges[0] >= 0
+    return (edges, [int(value) for value in counts]) if fits else ([], [])
 
 
 def rebin(pairs: Iterable[Pair]) -> tuple[Bin, ...]:
-    """Pairs' histograms on common log bins: each column goes where its geometric centre lies; the ends collect what lies beyond."""
-    total = (DECADES[1] - DECADES[0]) * PER_DECADE
+    """Pairs' histograms on common log bins: a column goes where its geometric centre lies; the ends collect what lies beyond."""
+    total = round((DECADES[1] - DECADES[0]) * PER_DECADE)
     agreeing, diverging = [0] * total, [0] * total
     for pair in pairs:
         edges, counts = histogram(pair)
         target = diverging if pair.verdict == "diverge" else agreeing
         for low, high, count in zip(edges, edges[1:], counts, strict=False):
-            centre = math.log10(math.sqrt(low * high)) if low > 0 else math.log10(high) - 1 if high > 0 else DECADES[0]
+            centre = (math.log10(low) + math.log10(high)) / 2 if low > 0 else DECADES[0]
             target[min(max(math.floor((centre - DECADES[0]) * PER_DECADE), 0), total - 1)] += count
     return tuple(
         Bin(DECADES[0] + index / PER_DECADE, DECADES[0] + (index + 1) / PER_DECADE, agreeing[index], diverging[index])
@@ -90,12 +95,8 @@ def calibrations(run: Run) -> list[Calibration]:
             pair for pair in (_against_truth(case, adapter) for case in run.cases) if pair is not None and histogram(pair)[0]
         ]
         if pairs:
-            largest = [number(pair.facts, "en_max") for pair in pairs if pair.verdict == "agree"]
-            found.append(
-                Calibration(
-                    adapter, len(pairs), rebin(pairs), max((value for value in largest if value is not None), default=None)
-                )
-            )
+            largest = [value for pair in pairs if pair.verdict == "agree" and (value := number(pair.facts, "en_max")) is not None]
+            found.append(Calibration(adapter, len(pairs), rebin(pairs), max(largest, default=None)))
     return found
 
 

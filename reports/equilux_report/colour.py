@@ -29,7 +29,7 @@ def srgb_encode(linear: Floats) -> Floats:
 
 
 def oklch_to_linear(lightness: Floats, chroma: Floats, hue_deg: Floats) -> Floats:
-    """(n, 3) linear sRGB, possibly out of gamut. Source: Björn Ottosson, "A perceptual color space for image processing" (2020)."""
+    """(n, 3) linear sRGB, possibly out of gamut. Source: B. Ottosson, "A perceptual color space for image processing", 2020."""
     a, b = chroma * np.cos(np.radians(hue_deg)), chroma * np.sin(np.radians(hue_deg))
     long = (lightness + 0.3963377774 * a + 0.2158037573 * b) ** 3
     medium = (lightness - 0.1055613458 * a - 0.0638541728 * b) ** 3
@@ -65,7 +65,7 @@ def sequential() -> Table:
 def diverging() -> Table:
     """(511, 3): blue for negative, near black at zero (index 255), orange for positive; both arms of equal lightness."""
     t = np.linspace(0, 1, 256)
-    lightness, chroma = 0.19 + 0.66 * t**0.85, 0.005 + 0.165 * np.minimum(1, 2.2 * t) * (1 - 0.35 * t)
+    lightness, chroma = 0.19 + 0.66 * t**0.85, 0.165 * np.minimum(1, 2.2 * t) * (1 - 0.35 * t)
     negative = _table(lightness, chroma, 262 - 42 * t)
     positive = _table(lightness, chroma, 38 + 40 * t)
     return np.concatenate([negative[:0:-1], positive])
@@ -74,8 +74,8 @@ def diverging() -> Table:
 def heat_position(en: Floats) -> Floats:
     """Where a normalised error lies on the diverging map, [-1, 1].
 
-    Within the uncertainty the colour stays dim (up to 0.28); at |E_n| = 1 it jumps to 0.45 and from there grows with the logarithm, so
-    that what diverges is told from what agrees at a glance, and 10 from 1000.
+    Within the uncertainty the colour stays dim (up to 0.28); at |E_n| = 1 it jumps to 0.45 and from there grows with the
+    logarithm, so that what diverges is told from what agrees at a glance, and 10 from 1000.
     """
     size = np.abs(en)
     with np.errstate(divide="ignore"):

@@ -34,6 +34,11 @@ def magnitude(value: float | None, digits: int = 3) -> str:
     return f"{sign}{mantissa}e{int(power)}"
 
 
+def shortest(value: float) -> str:
+    """All the digits that a number was given with, and no more: 1000, 0.1, 1e-9."""
+    return str(int(value)) if float(value).is_integer() and abs(value) < 1e9 else repr(value)
+
+
 def percent(part: int, whole: int) -> str:
     """A share of pixels: 0 only if it is none, 100 only if it is all."""
     if whole <= 0:

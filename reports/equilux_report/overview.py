@@ -39,6 +39,8 @@ class Cell:
     share: float | None = None
     numbers: tuple[tuple[str, str], ...] = ()
     causes: tuple[str, ...] = ()
+    reason: str = ""
+    """Why there are no numbers."""
 
     @property
     def height(self) -> float:
@@ -47,6 +49,8 @@ class Cell:
             return 0.0
         if self.en is None:
             return 1.0 if self.judged.startswith("diverge") else 0.0
+        if math.isinf(self.en):
+            return 1.0
         low, high = SKYLINE_DECADES
         return min(max((math.log10(self.en) - low) / (high - low), 0.03), 1.0) if self.en > 0 else 0.03
 
@@ -151,15 +155,12 @@ class Overview:
     def headline(self) -> tuple[str, str]:
         """Kind and words of the run's verdict."""
         bad = []
-        if self.judged["diverge_unexpected"]:
-            bad.append(
-                f"{numerals.plural(self.judged['diverge_unexpected'], 'render')} diverge{'s' if self.judged['diverge_unexpected'] == 1 else ''} "
-                "from the truth unexpectedly"
-            )
-        if self.judged["improved"]:
-            bad.append(
-                f"{numerals.plural(self.judged['improved'], 'pinned divergence')} no longer show{'s' if self.judged['improved'] == 1 else ''}"
-            )
+        unexpected = Counter(cell.adapter for row in self.rows for cell in row.cells if cell.judged == "diverge_unexpected")
+        for adapter, cases in unexpected.most_common():
+            bad.append(f"{adapter} diverges unexpectedly in {numerals.plural(cases, 'case')}")
+        if gone := self.judged["improved"]:
+            verb = "shows" if gone == 1 else "show"
+            bad.append(f"{numerals.plural(gone, 'pinned divergence')} no longer {verb}")
         failed = sum(self.statuses[name] for name in ("crashed", "failed", "timeout", "incomplete"))
         if failed:
             bad.append(f"{numerals.plural(failed, 'render')} gave no image")
@@ -219,7 +220,7 @@ def _row(case: CaseRecord, adapters: tuple[str, ...], links: Links, thumbnails: 
 
 
 def _axis_value(value: Any) -> str:
-    return numerals.magnitude(float(value), 6) if isinstance(value, int | float) and not isinstance(value, bool) else str(value)
+    return numerals.shortest(value) if isinstance(value, int | float) and not isinstance(value, bool) else str(value)
 
 
 def _cell(case: CaseRecord, adapter: str, links: Links, thumbnails: Thumbnails) -> Cell:
@@ -242,15 +243,15 @@ def _cell(case: CaseRecord, adapter: str, links: Links, thumbnails: Thumbnails) 
         return _pair_cell(case, pair, links, thumbnails)
     status = render.status if render.status not in HAS_PIXELS else "not_comparable"
     label = words.STATUS.get(status, words.JUDGED.get(status, status))
-    return Cell(
-        adapter, "", links.case(case.name), status, label, words.render_sentence(render), thumbnails(case.name, adapter), None
-    )
+    why = text(render.facts, "reason") or ", ".join(str(item) for item in items(render.facts, "missing_features"))
+    picture = thumbnails(case.name, adapter)
+    return Cell(adapter, "", links.case(case.name), status, label, words.render_sentence(render), picture, None, reason=why)
 
 
 def _pair_cell(case: CaseRecord, pair: Pair, links: Links, thumbnails: Thumbnails) -> Cell:
     facts, place = pair.facts, words.worst_pixel(pair) if pair.verdict == "diverge" else None
     whole, bad = count(facts, "pixels"), count(facts, "diverge") + count(facts, "invalid")
-    en, max_abs = number(facts, "en_max"), number(facts, "max_abs")
+    en, max_abs = words.en_max(pair), number(facts, "max_abs")
     shown = (
         ("max |Eₙ|", numerals.magnitude(en)),
         ("pixels", numerals.percent(bad, whole)),
@@ -268,8 +269,9 @@ def _pair_cell(case: CaseRecord, pair: Pair, links: Links, thumbnails: Thumbnail
         en,
         max_abs,
         bad / whole if whole else None,
-        shown if whole else (),
+        shown if whole and pair.verdict != "not-comparable" else (),
         tuple(words.causes(case, pair)),
+        words.reason(pair),
     )
 
 

@@ -1,9 +1,9 @@
 """Packing float pictures into classic scripts: pages opened from file:// may neither fetch nor import.
 
-A script calls `equiluxData(key, header, payload)`. The payload is base64 of a zlib stream of the stored planes; each plane is float32
-little-endian with its bytes shuffled (all first bytes, then all second bytes, …), which makes exponents and signs compress. A plane
-equal to an earlier one bit for bit (a grey picture) is not stored twice: the header names which stored plane each channel uses. NaN and
-Inf survive with their payload bits.
+A script calls `equiluxData(key, header, payload)`. The payload is base64 of a zlib stream of the stored planes; each plane is
+float32 little-endian with its bytes shuffled (all first bytes, then all second bytes, …), which makes exponents and signs
+compress. A plane equal to an earlier one bit for bit (a grey picture) is not stored twice: the header names which stored plane
+each channel uses. NaN and Inf survive with their payload bits.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ class Packed:
     payload: str
 
     def script(self) -> str:
-        """A classic script that hands the picture to the page. Its arguments are JSON, and no `<` in it can end a script element."""
+        """A classic script that hands the picture to the page. Its arguments are JSON; no `<` in it can end a script element."""
         return f"equiluxData({json.dumps(self.key)},{self.header},{json.dumps(self.payload)});\n".replace("<", "\\u003c")
 
 

@@ -15,6 +15,7 @@ from equilux_report.calibration import Calibration
 from equilux_report.casepage import CasePage
 from equilux_report.links import Links
 from equilux_report.overview import Overview
+from equilux_report.runfacts import run_facts
 from equilux_report.tree import Run
 
 
@@ -52,11 +53,13 @@ class Pages:
 
     def overview_page(self, run: Run, view: Overview, calibrations: list[Calibration], links: Links) -> str:
         return self.environment.get_template("overview.html.j2").render(
-            run=run, view=view, calibrations=calibrations, links=links, title=title(run)
+            run=run, view=view, calibrations=calibrations, links=links, title=title(run), about=run_facts(run)
         )
 
     def case_page(self, run: Run, page: CasePage, links: Links) -> str:
-        return self.environment.get_template("case.html.j2").render(run=run, page=page, links=links, title=title(run))
+        return self.environment.get_template("case.html.j2").render(
+            run=run, page=page, links=links, title=title(run), about=run_facts(run)
+        )
 
     def single_page(
         self,
@@ -69,7 +72,14 @@ class Pages:
     ) -> Iterator[str]:
         """The whole page in pieces: it may be larger than memory should be asked for at once."""
         return self.environment.get_template("single.html.j2").generate(
-            run=run, view=view, calibrations=calibrations, pages=cases, links=links, payloads=payloads, title=title(run)
+            run=run,
+            view=view,
+            calibrations=calibrations,
+            pages=cases,
+            links=links,
+            payloads=payloads,
+            title=title(run),
+            about=run_facts(run),
         )
 
     def write_static(self, folder: Path) -> None:

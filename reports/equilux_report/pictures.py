@@ -1,4 +1,4 @@
-"""The pictures of a run, turned into packed data and thumbnails, several cases at a time (compression and numpy release the interpreter)."""
+"""The pictures of a run, packed and shrunk, several cases at a time (compression and numpy release the interpreter)."""
 
 from __future__ import annotations
 
@@ -7,10 +7,15 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from pathlib import Path
 
+import numpy as np
+
 from equilux_report import thumbnail
 from equilux_report.pack import pack
 from equilux_report.pixels import BANDS, PAIR_CHANNELS, Plane, UnreadableImage, read_planes, require
 from equilux_report.tree import CaseRecord, Problem, Run
+
+INVALID = 3
+"""In the class plane."""
 
 
 @dataclass
@@ -20,6 +25,7 @@ class CasePictures:
     stops: float = 0.0
     packed: dict[str, Path] = field(default_factory=dict)
     thumbnails: dict[str, bytes] = field(default_factory=dict)
+    first_invalid: dict[str, tuple[int, int]] = field(default_factory=dict)
     problems: list[Problem] = field(default_factory=list)
 
 
@@ -52,6 +58,8 @@ def _prepare_case(case: CaseRecord, folder: Path) -> CasePictures:
         ):
             _store(case, pair.name, planes, folder, found)
             found.thumbnails[pair.name] = thumbnail.of_normalised_error(planes)
+            if (invalid := np.argwhere(planes["class"] == INVALID)).size:
+                found.first_invalid[pair.name] = (int(invalid[0, 1]), int(invalid[0, 0]))
     return found
 
 

@@ -26,7 +26,7 @@ def exposure_stops(planes: Mapping[str, Plane]) -> float:
 
 
 def of_render(planes: Mapping[str, Plane], stops: float) -> bytes:
-    """PNG of the picture at an exposure: box-averaged in linear light; non-finite pixels keep their colour through the shrinking."""
+    """PNG of the picture at an exposure: box-averaged in linear light; non-finite pixels keep their colour when shrunk."""
     image = np.stack([planes[band] for band in BANDS], axis=-1).astype(np.float64)
     blocks = _blocks(image)
     finite = np.isfinite(blocks)
@@ -62,7 +62,7 @@ def _diverging() -> colour.Table:
 
 
 def _blocks(image: Floats) -> Floats:
-    """(h, w, c) → (rows, k, columns, k, c) with k the smallest factor that makes it at most WIDTH wide; the rim is padded by repeating."""
+    """(h, w, c) → (rows, k, columns, k, c), k the smallest factor that makes it at most WIDTH wide; the rim is repeated."""
     height, width = image.shape[:2]
     factor = -(-width // WIDTH)
     padded = np.pad(image, ((0, -height % factor), (0, -width % factor), (0, 0)), mode="edge")

@@ -1,4 +1,4 @@
-"""Reads a results tree (contracts §3) into records. Nothing here needs more than the tree, and what is missing is said, not fatal.
+"""Reads a results tree into records. Nothing here needs more than the tree, and what is missing is said, not fatal.
 
 A run that was interrupted has folders but perhaps no `results.json`: then the cases are those found on disk.
 """
@@ -59,6 +59,8 @@ class Pair:
     b: str
     planes: Path | None
     facts: Facts
+    first_invalid: tuple[int, int] | None = None
+    """Column and row of the first invalid pixel, known once the planes have been read."""
 
     @property
     def verdict(self) -> str:

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
 
 from equilux_report import numerals
-from equilux_report.facts import Facts, count, mapping, number, numbers, objects, text
+from equilux_report.facts import Facts, count, items, mapping, number, numbers, objects, text
 from equilux_report.tree import CaseRecord, Pair, Render
 
 JUDGED = {
-    "diverge_unexpected": "diverges",
+    "diverge_unexpected": "diverges unexpectedly",
     "improved": "no longer diverges",
     "diverge_expected": "diverges as pinned",
     "not_comparable": "not comparable",
@@ -54,10 +55,23 @@ def worst_band(pair: Pair) -> tuple[float, float] | None:
 
 
 def worst_pixel(pair: Pair) -> tuple[int, int] | None:
-    """Column and row of the worst pixel."""
+    """Column and row of the worst pixel; of the first invalid one where nothing else diverges."""
+    if count(pair.facts, "diverge") == 0 and pair.first_invalid is not None:
+        return pair.first_invalid
     worst = mapping(pair.facts, "worst")
     x, y = number(worst, "x"), number(worst, "y")
     return None if x is None or y is None else (int(x), int(y))
+
+
+def en_max(pair: Pair) -> float | None:
+    """Largest |E_n|; ∞ where a difference meets no stated uncertainty at all."""
+    return math.inf if count(pair.facts, "en_infinite") else number(pair.facts, "en_max")
+
+
+def reason(pair: Pair) -> str:
+    """What the engine says of the pair beyond its counts, which `pixels_of` puts better."""
+    counts = f" of {count(pair.facts, 'pixels')} pixels "
+    return "; ".join(part for part in text(pair.facts, "reason").split("; ") if part and counts not in part)
 
 
 def pixels_of(pair: Pair) -> str:
@@ -72,12 +86,12 @@ def pixels_of(pair: Pair) -> str:
 
 
 def _size(pair: Pair) -> str:
-    en = number(pair.facts, "en_max")
+    en = en_max(pair)
     band, parts = worst_band(pair), []
     if band is not None:
         parts.append(f"{numerals.magnitude(band[0])} against {numerals.magnitude(band[1])} {RADIANCE}")
     if en is not None:
-        parts.append(f"{numerals.magnitude(en)}{TIMES}the stated uncertainty")
+        parts.append(f"{numerals.magnitude(en)}{TIMES}the stated uncertainty" if math.isfinite(en) else "no uncertainty stated")
     return ", ".join(parts)
 
 
@@ -100,18 +114,22 @@ def sentence(case: CaseRecord, pair: Pair) -> str:
     if pair.verdict == "not-comparable":
         return f"{pair.a} cannot be compared with {pair.b}: {text(facts, 'reason') or 'no reason was recorded'}."
     if pair.verdict == "diverge":
-        if text(facts, "reason") and count(facts, "diverge") + count(facts, "invalid") == 0:
-            parts = [f"{pair.a} diverges from {pair.b}: {text(facts, 'reason')}"]
+        if reason(pair) and count(facts, "diverge") + count(facts, "invalid") == 0:
+            parts = [f"{pair.a} diverges from {pair.b}: {reason(pair)}"]
         else:
             parts = [f"{pair.a} diverges from {pair.b} on {pixels_of(pair)}"]
             worst = worst_pixel(pair)
-            if worst is not None:
+            if worst is not None and count(facts, "diverge"):
                 parts[0] += f", worst at ({worst[0]}, {worst[1]}): {_size(pair)}".rstrip(": ")
-            if text(facts, "reason"):
-                parts.append(text(facts, "reason"))
+            kinds = mapping(facts, "invalid_kinds")
+            for side, name in (("a", pair.a), ("b", pair.b)):
+                if told := invalid_kinds(mapping(kinds, side)):
+                    parts.append(f"{name} has {told}")
+            if reason(pair):
+                parts.append(reason(pair))
     else:
         parts = [
-            f"{pair.a} agrees with {pair.b} on {_all(pair)}: largest |Eₙ| {numerals.magnitude(number(facts, 'en_max'))}, "
+            f"{pair.a} agrees with {pair.b} on {_all(pair)}: largest |Eₙ| {numerals.magnitude(en_max(pair))}, "
             f"largest difference {numerals.magnitude(number(facts, 'max_abs'))} {RADIANCE}"
         ]
     edge = count(facts, "edge")
@@ -132,10 +150,7 @@ def _all(pair: Pair) -> str:
 
 def render_sentence(render: Render) -> str:
     """Why a render gave no image (or a bad one), in one sentence."""
-    reason, missing = (
-        text(render.facts, "reason"),
-        [item for item in render.facts.get("missing_features") or [] if isinstance(item, str)],
-    )
+    told, missing = text(render.facts, "reason"), [str(item) for item in items(render.facts, "missing_features")]
     if render.status == "unsupported":
         what = (
             f"{render.adapter} does not support {listed(missing)}" if missing else f"{render.adapter} does not support this case"
@@ -153,7 +168,7 @@ def render_sentence(render: Render) -> str:
             "failed": f"{render.adapter} failed",
             "incomplete": f"{render.adapter} left no record",
         }.get(render.status, f"{render.adapter}: {render.status}")
-    return f"{what}: {reason}." if reason else f"{what}."
+    return f"{what}: {told}." if told else f"{what}."
 
 
 def invalid_kinds(kinds: Facts) -> str:

@@ -1,7 +1,8 @@
-"""Writes a small results tree (contracts §3) without any renderer: Phong spheres in numpy, and every state that a report must show.
+"""Writes a small results tree without any renderer: Phong spheres in numpy, and every state that a report must show.
 
-What the tree holds: a sweep in which one renderer clamps the exponent (pinned), a colour scene with an unexpected divergence, one with
-NaN and Inf, one crash, one unsupported, one timeout, one pinned divergence that is gone, one without oracle, one of the wrong size.
+What the tree holds: a sweep in which one renderer clamps the exponent (pinned), a colour scene with an unexpected divergence, one
+with NaN and Inf, one crash, one unsupported, one timeout, one pinned divergence that is gone, one without oracle, one picture of
+the wrong size.
 """
 
 from __future__ import annotations
@@ -221,15 +222,7 @@ def write_tree(
     renders = [render for entry in entries for render in entry["renders"].values()]
     judged = ("agree", "diverge_expected", "diverge_unexpected", "improved", "not_comparable")
     statuses = ("ok", "unsupported", "missing", "timeout", "crashed", "failed", "invalid")
-    run = {
-        "schema": "equilux/run/1",
-        "started": "2025-03-01T10:20:30Z",
-        "seconds": 41.3,
-        "command": ["equilux", "run", "scenes", "--jobs", "2"],
-        "versions": {"equilux": "0.1.0", "python": "3.11.2", "numpy": "2.2.0", "adapters": VERSIONS},
-        "machine": {"system": "Linux 6.1", "cpu": "2 × x86-64", "memory_bytes": 8 << 30},
-        "knobs": {"vtk": {"chord_error": 1e-5}},
-    }
+    run = _manifest(adapters)
     results = {
         "schema": "equilux/results/1",
         "cases": entries,
@@ -245,6 +238,22 @@ def write_tree(
     (root / "run.json").write_text(json.dumps(run, indent=1))
     (root / "results.json").write_text(json.dumps(results, indent=1))
     return root
+
+
+def _manifest(adapters: tuple[str, ...]) -> dict[str, Any]:
+    found = {"distribution": "equilux 0.1.0", "found": True, "detail": "found where it was looked for", "error": None}
+    return {
+        "schema": "equilux/run/1",
+        "equilux": "0.1.0",
+        "command": ["equilux", "run", "scenes", "--jobs", "2"],
+        "clock": {"started": "2025-03-01T10:20:30+00:00", "ended": "2025-03-01T10:21:11+00:00", "seconds": 41.3},
+        "interrupted": None,
+        "adapters": {name: {"version": VERSIONS[name], **found, "knobs": {"threads": 1}} for name in adapters},
+        "libraries": {"numpy": "2.2.0", "Embree": "3.13.5"},
+        "machine": {"system": "Linux", "architecture": "x86_64", "cores": 2, "memory_bytes": 8 << 30},
+        "options": {"jobs": 2, "timeout_s": 120.0, "reuse": True},
+        "identity": {"cases": {}, "adapters": {}},
+    }
 
 
 def _write_case(root: Path, case: FakeCase, adapters: tuple[str, ...], seed: int) -> dict[str, Any]:
@@ -395,7 +404,7 @@ def _statistics(folder: Path, a: str, b: str, image_a: Image, image_b: Image) ->
     counted = classes < 2
     absolute, en_abs = np.abs(difference[counted]), np.abs(en[counted])
     y, x = np.unravel_index(np.argmax(np.where(counted, np.abs(np.nan_to_num(en)).max(axis=-1), -1)), classes.shape)
-    edges = np.logspace(-9, 6, 61)
+    edges = np.concatenate([[0.0], 10.0 ** (np.arange(-24, 25) / 4), [np.finfo(np.float64).max]])
     kinds = [
         {
             "nan": int(np.isnan(image).sum()),

@@ -8,11 +8,11 @@ const tile = (name) => {
   canvas.width = 8;
   canvas.height = 8;
   const context = canvas.getContext("2d");
-  context.fillStyle = `${PAINT[name]}59`;
+  context.fillStyle = `${PAINT[name]}2b`;
   context.fillRect(0, 0, 8, 8);
   context.strokeStyle = PAINT[name];
   context.fillStyle = PAINT[name];
-  context.lineWidth = 1.6;
+  context.lineWidth = 1;
   const line = (...points) => { context.beginPath(); context.moveTo(points[0], points[1]); context.lineTo(points[2], points[3]); context.stroke(); };
   if (name === "edge") { context.fillRect(1, 1, 2, 2); context.fillRect(5, 5, 2, 2); } else { line(-2, 10, 10, -2); line(-6, 6, 6, -6); line(2, 14, 14, 2); }
   if (name === "invalid") { line(-2, -2, 10, 10); line(-6, 2, 2, 10); line(6, -2, 14, 6); }

@@ -7,6 +7,7 @@ eq.legend = (legend) => {
   const ticks = legend.ticks.map((tick) => {
     const element = eq.element("span", {}, tick.text);
     element.style.setProperty("--at", tick.at);
+    if (tick.isMinor) element.className = "minor";
     return element;
   });
   return eq.element("div", { class: "legend" }, bar, eq.element("div", { class: "legend__ticks" }, ...ticks), eq.element("div", { class: "legend__unit" }, legend.unit));

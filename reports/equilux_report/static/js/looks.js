@@ -54,7 +54,7 @@ const falseColour = ({ ev, band, map }) => {
 const difference = ({ band }, scale) => ({
   key: `difference ${scale} ${band}`,
   pixel(planes) { const value = scalar(planes, "", band, true); return (i) => mapped(value(i), (v) => eq.divergingAt(v / scale)); },
-  legend: { colour: eq.divergingAt, from: -1, ticks: [-1, -0.5, 0, 0.5, 1].map((t) => ({ at: (t + 1) / 2, text: eq.short(t * scale) })),
+  legend: { colour: eq.divergingAt, from: -1, ticks: [-1, -0.5, 0, 0.5, 1].map((t) => ({ at: (t + 1) / 2, text: eq.short(t * scale), isMinor: Math.abs(t) === 0.5 })),
     unit: `a − b${band === "rgb" ? ", largest band" : band === "lum" ? ", luminance" : `, ${band}`}, W/(m²·sr)` },
 });
 
@@ -66,7 +66,7 @@ const heat = ({ band }) => ({
     return (i) => mapped(value(i), (v) => eq.divergingAt(eq.heatPosition(v)));
   },
   legend: { colour: eq.divergingAt, from: -1, unit: `Eₙ${BANDS.includes(band) ? `, ${band}` : ", largest band"}; dim: within the uncertainty`,
-    ticks: HEAT_TICKS.map((en) => ({ at: (eq.heatPosition(en) + 1) / 2, text: Math.abs(en) === 1e4 ? `${en < 0 ? "−" : ""}10⁴` : eq.short(en) })) },
+    ticks: HEAT_TICKS.map((en) => ({ at: (eq.heatPosition(en) + 1) / 2, isMinor: Math.abs(en) === 100, text: Math.abs(en) === 1e4 ? `${en < 0 ? "−" : ""}10⁴` : eq.short(en) })) },
 });
 
 eq.looks = {

@@ -137,11 +137,11 @@ const drawCursor = (context, { x, y }, { scale, left, top }, picture) => {
   }
 };
 
-// Non-finite and negative values by kind, beside the colours that stand for them.
+// Non-finite values by kind, counted over the three bands, beside the colours that stand for them.
 const oddities = (picture, prefix) => {
   const counts = { nan: 0, plusInf: 0, minusInf: 0 };
-  for (const plane of new Set(["R", "G", "B"].map((band) => picture.planes[prefix + band]))) {
-    for (const value of plane) if (!Number.isFinite(value)) counts[Number.isNaN(value) ? "nan" : value > 0 ? "plusInf" : "minusInf"] += 1;
+  for (const band of ["R", "G", "B"]) {
+    for (const value of picture.planes[prefix + band]) if (!Number.isFinite(value)) counts[Number.isNaN(value) ? "nan" : value > 0 ? "plusInf" : "minusInf"] += 1;
   }
   const names = { nan: "NaN", plusInf: "+Inf", minusInf: "−Inf" };
   const found = Object.keys(counts).filter((kind) => counts[kind]).map((kind) => {

@@ -17,6 +17,10 @@ class Viewer extends HTMLElement {
       a: this.renders[0].name, b: (this.renders[1] ?? this.renders[0]).name, other: false,
     };
     this.state = { ...this.defaults };
+    // A page without a wish shows its worst pixel: the numbers are there before anyone touches anything.
+    const worst = this.pairSource?.worst ?? [Math.floor(this.config.width / 2), Math.floor(this.config.height / 2)];
+    [this.state.x, this.state.y] = worst;
+    Object.assign(this.defaults, { x: worst[0], y: worst[1] });
     this.stage = this.querySelector(".viewer__panels");
     this.adopt(eq.fragment.read());
     this.toolbar = new eq.Toolbar(this, this.querySelector("form"));
@@ -57,8 +61,9 @@ class Viewer extends HTMLElement {
     if (parameters.has("cls")) next.cls = parameters.get("cls") === "1";
     const zoom = Number.parseFloat(parameters.get("z"));
     if (zoom > 0 && zoom <= 128) this.view.centre(Number.parseFloat(parameters.get("cx")) || next.x + 0.5, Number.parseFloat(parameters.get("cy")) || next.y + 0.5, zoom);
+    [next.x, next.y] = this.onFilm(next.x, next.y);
     this.state = next;
-    if (next.x !== null) this.inspectAll();
+    this.inspectAll();
   }
 
   set(changes) {
@@ -77,7 +82,7 @@ class Viewer extends HTMLElement {
         const value = state[name];
         return [name, value === defaults[name] ? null : value === true ? "1" : value === false ? "0" : Number.isFinite(value) ? String(Math.round(value * 1e4) / 1e4) : value];
       }));
-      if (state.x !== null && state.pair) told.pair = state.pair;
+      if (told.x || told.y) [told.x, told.y] = [String(state.x), String(state.y)];
       const round = (value) => (view.zoom === null ? null : String(Math.round(value * 100) / 100));
       eq.fragment.write({ ...told, z: view.zoom, cx: round(view.x), cy: round(view.y) });
     }, 120);
@@ -130,14 +135,14 @@ class Viewer extends HTMLElement {
     eq.picture(source).then((picture) => { source.picture = picture; }, (error) => { source.failure = error.message; }).then(() => this.redraw());
   }
 
-  // The inspector shows each render's error against the truth: those pairs are wanted once a pixel is chosen.
+  // The inspector shows each render's error against the truth: those pairs are wanted as soon as it can be seen.
   inspectAll() {
     for (const pair of this.pairs) if (pair.b === this.config.truth) this.load(pair);
   }
 
-  // Full scale of the difference: the largest difference, but no less than the stated uncertainty, so that agreement looks calm.
+  // Full scale of the difference: the largest one, but no less than four times the stated uncertainty, so that agreement looks calm.
   scaleOf(picture) {
-    picture.scale ??= Math.max(largestOf(picture), typicalBound(picture)) || 1;
+    picture.scale ??= Math.max(largestOf(picture), 4 * typicalBound(picture)) || 1;
     return picture.scale * 2 ** -this.state.ds;
   }
 
@@ -159,12 +164,15 @@ class Viewer extends HTMLElement {
 
   // --- doing ----------------------------------------------------------------------------------------------------------
 
+  onFilm(x, y) {
+    const clamp = (value, size) => Math.min(Math.max(Math.floor(value), 0), Math.max(size - 1, 0));
+    return [clamp(x, this.config.width), clamp(y, this.config.height)];
+  }
+
   select(x, y) {
-    const { width, height } = this.config;
-    const clamp = (value, size) => Math.min(Math.max(value, 0), Math.max(size - 1, 0));
-    this.inspectAll();
+    const [onX, onY] = this.onFilm(x, y);
     this.hover = null;
-    this.set({ x: clamp(x, width), y: clamp(y, height) });
+    this.set({ x: onX, y: onY });
     this.follow();
   }
 
@@ -181,7 +189,7 @@ class Viewer extends HTMLElement {
   zoom(what, panel = this.panels.find((item) => item.picture), px, py) {
     if (what === "fit") this.view.fit();
     else if (panel?.picture) {
-      const chosen = px === undefined && this.state.x !== null && this.view.zoom === null;
+      const chosen = px === undefined && this.view.zoom === null; // keys and buttons zoom at the selected pixel, the wheel where it is
       this.view.step(what === "in" ? 1 : -1, panel.canvas, panel.picture, px, py);
       if (chosen && this.view.zoom !== null) this.view.centre(this.state.x + 0.5, this.state.y + 0.5);
     }
@@ -212,7 +220,7 @@ class Viewer extends HTMLElement {
     const step = STEP[event.key];
     if (step && this.contains(document.activeElement)) {
       const by = event.shiftKey ? 10 : 1;
-      const { x, y } = this.state.x === null ? { x: Math.floor(this.config.width / 2), y: Math.floor(this.config.height / 2) } : this.state;
+      const { x, y } = this.state;
       this.select(x + step[0] * by, y + step[1] * by);
       event.preventDefault();
       return;
