@@ -17,7 +17,7 @@ from typing import Any, Protocol
 import numpy as np
 import numpy.typing as npt
 
-from equilux import _compare, edges, planes, uncertainty, verdict
+from equilux import _compare, edges, hdr_flip, planes, uncertainty, verdict
 from equilux.trust import TRUTHS, trust_rank
 from equilux.uncertainty import Uncertainty
 from equilux.verdict import Judgement
@@ -37,7 +37,7 @@ AGREE, DIVERGE, EDGE, INVALID = range(4)
 def _comparer_version() -> str:
     """Changes whenever anything does that a comparison depends on, so that no statistics of an older comparer are ever reused."""
     sha = hashlib.sha256()
-    for module in (_compare, edges, uncertainty, verdict):
+    for module in (_compare, edges, hdr_flip, uncertainty, verdict):
         sha.update(Path(str(module.__file__)).read_bytes())
     sha.update(Path(__file__).read_bytes())
     return f"1+{sha.hexdigest()[:16]}"
@@ -109,7 +109,7 @@ def compare_pair(a: RenderedImage, b: RenderedImage, tracer: Reference | None, *
     judgement = _judge(a, b, out, tracer)
     out |= {"verdict": judgement.verdict, "reason": judgement.reason}
     if flip:
-        out["flip"] = _mean_flip(image_a, image_b)
+        out["flip"] = hdr_flip.mean_flip(image_a, image_b)
     return PairResult(out, _planes(difference, normalised_error, scores["classes"]))
 
 
@@ -298,23 +298,3 @@ def _wrongly_constant(a: RenderedImage, b: RenderedImage, diverges: bool, tracer
         if varying.any() and wrong:
             return side.adapter
     return None
-
-
-# --- HDR-FLIP ---------------------------------------------------------------------------------------------------------
-
-
-def _mean_flip(image_a: FloatImage, image_b: FloatImage) -> float | None:
-    """Mean HDR-FLIP error of a against b (Andersson et al. 2021), a perceptual aid; None where a pixel is not finite or FLIP
-    gives NaN.
-
-    Raises ModuleNotFoundError, saying what to install, where flip-evaluator is missing.
-    """
-    if not (np.isfinite(image_a).all() and np.isfinite(image_b).all()):
-        return None
-    try:
-        import flip_evaluator
-    except ModuleNotFoundError as problem:
-        raise ModuleNotFoundError("HDR-FLIP needs the package flip-evaluator: install equilux[flip]") from problem
-    with np.errstate(all="ignore"):
-        _, mean, _ = flip_evaluator.evaluate(image_b.astype(np.float32), image_a.astype(np.float32), "HDR")
-    return _number(float(mean))

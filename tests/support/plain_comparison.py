@@ -23,7 +23,9 @@ def plain_comparison(
     sampled: Floats | float = 0.0,
     edge: npt.NDArray[np.bool_] | None = None,
 ) -> dict[str, Any]:
-    """bound_a, bound_b: each side's own hard bound; sampled: k √(σ_a² + σ_b²). Negative values are held against the hard bounds alone."""
+    """bound_a, bound_b: each side's own hard bound; sampled: k √(σ_a² + σ_b²). Negative values are held against the hard
+    bounds alone.
+    """
     a, b = a.astype(np.float64), b.astype(np.float64)
     own_a, own_b = np.broadcast_to(bound_a, a.shape), np.broadcast_to(bound_b, b.shape)
     bound = own_a + own_b + sampled

@@ -67,7 +67,7 @@ def test_kernel_equals_plain_numpy(given_: dict[str, Any]) -> None:
     a, b, edge = given_["a"], given_["b"], given_["edge"]
     (abs_a, abs_b), (rel_a, rel_b), (map_a, map_b) = given_["abs"], given_["rel"], given_["per_pixel"]
     bounds = [
-        abs_ + rel * np.where(np.isfinite(image), np.abs(image.astype(np.float64)), 0.0) + (0.0 if per_pixel is None else per_pixel)
+        abs_ + rel * np.abs(np.where(np.isfinite(image), image.astype(np.float64), 0.0)) + (0 if per_pixel is None else per_pixel)
         for image, abs_, rel, per_pixel in ((a, abs_a, rel_a, map_a), (b, abs_b, rel_b, map_b))
     ]
     expected = plain_comparison(a, b, bounds[0], bounds[1], edge=edge)
