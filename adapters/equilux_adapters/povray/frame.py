@@ -60,10 +60,9 @@ class Frame:
         return (np.asarray(world, dtype=np.float64) - self.origin) * self.scale
 
     def matrix(self, to_world: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
-        """Object → world, continued into the written frame."""
+        """Object → world for lengths in units on both sides: only the translation differs from the scene's own matrix."""
         result = to_world.copy()
-        result[:3, 3] -= self.origin
-        result[:3] *= self.scale
+        result[:3, 3] = self.point(to_world[:3, 3])
         return result
 
     @property
@@ -149,10 +148,9 @@ def _object_error(camera: View, origin: Vector, scale: float, seen: _Seen) -> fl
     if isinstance(obj, Rectangle):
         return 0.0
     if isinstance(obj, Sphere):
-        # the rim moves inwards by δ where δ (2 r − δ) = SQUARED_CHORD, measured in object space when there is a transform
-        unit_per_metre = 1.0 if obj.transform else scale
+        # the rim moves inwards by δ where δ (2 r − δ) = SQUARED_CHORD, in the sphere's own space
         stretch = float(np.linalg.svd(matrix(obj)[:3, :3], compute_uv=False)[0])
-        return camera.film_px(SQUARED_CHORD / (2.0 * obj.radius * unit_per_metre**2) * stretch / distance)
+        return camera.film_px(SQUARED_CHORD / (2.0 * obj.radius * scale**2) * stretch / distance)
     if isinstance(obj, Box):
         return camera.film_px(BOX_CORNER / scale / distance)
     if isinstance(obj, Plane):

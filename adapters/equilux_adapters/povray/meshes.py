@@ -23,10 +23,10 @@ def centre(mesh: TriangleMesh) -> Floats:
     return middle
 
 
-def mesh2(mesh: TriangleMesh) -> str:
-    """The text of `mesh` around its centre, without modifiers and closing brace."""
+def mesh2(mesh: TriangleMesh, scale: float) -> str:
+    """The text of `mesh` around its centre, in `scale` units per metre, without modifiers and closing brace."""
     faces = f"  face_indices {{ {len(mesh.faces)},\n    {integer_rows(mesh.faces)} }}"
-    parts = [f"mesh2 {{\n  vertex_vectors {{ {len(mesh.vertices)},\n    {float32_rows(_stored(mesh))} }}", faces]
+    parts = [f"mesh2 {{\n  vertex_vectors {{ {len(mesh.vertices)},\n    {float32_rows(_stored(mesh, scale))} }}", faces]
     if mesh.vertex_normals is not None:
         normals, indices = smooth_normals(mesh)
         parts.insert(1, f"  normal_vectors {{ {len(normals)},\n    {float32_rows(normals)} }}")
@@ -35,8 +35,8 @@ def mesh2(mesh: TriangleMesh) -> str:
     return "\n".join(parts)
 
 
-def _stored(mesh: TriangleMesh) -> npt.NDArray[np.float32]:
-    return (mesh.vertices - centre(mesh)).astype(np.float32)
+def _stored(mesh: TriangleMesh, scale: float) -> npt.NDArray[np.float32]:
+    return ((mesh.vertices - centre(mesh)) * scale).astype(np.float32)
 
 
 def smooth_normals(mesh: TriangleMesh) -> tuple[npt.NDArray[np.float32], npt.NDArray[np.int64]]:
@@ -90,7 +90,8 @@ def mesh_accuracy(mesh: TriangleMesh, to_world: Floats) -> MeshAccuracy:
     """What float32 storage makes of `mesh`, largest over its triangles: σ of the matrix scale positions, their ratio normals."""
     sigma = np.linalg.svd(to_world[:3, :3], compute_uv=False)
     exact = (mesh.vertices - centre(mesh))[mesh.faces]
-    stored = _stored(mesh).astype(np.float64)[mesh.faces]
+    # rounding is relative: the unit of length makes no difference
+    stored = _stored(mesh, 1.0).astype(np.float64)[mesh.faces]
     # displaced by its vertices, and along an oblique ray by the distance from its plane
     moved = np.linalg.norm(stored - exact, axis=2).max(axis=1) + OBLIQUE * _off_plane(stored)
     if mesh.vertex_normals is None:

@@ -17,7 +17,6 @@ from equilux_adapters.povray.numbers import matrix_modifier, number, vector
 Matrix = npt.NDArray[np.float64]
 
 
-
 @dataclass(frozen=True)
 class Written:
     """An object's text: the primitive without its closing brace and modifiers, and the matrix that is left to apply, if any."""
@@ -32,10 +31,10 @@ def written(obj: Object, mesh: TriangleMesh | None, frame: Frame) -> Written:
         return _rectangle(obj, frame)
     if mesh is not None:
         shift = np.eye(4)
-        shift[:3, 3] = centre(mesh)
-        return Written(mesh2(mesh), frame.matrix(matrix(obj)) @ shift)
+        shift[:3, 3] = centre(mesh) * frame.scale
+        return Written(mesh2(mesh, frame.scale), frame.matrix(matrix(obj)) @ shift)
     if obj.transform:
-        return Written(_primitive(obj, Frame(np.zeros(3), 1.0, 0.0)), frame.matrix(matrix(obj)))
+        return Written(_primitive(obj, Frame(np.zeros(3), frame.scale, 0.0)), frame.matrix(matrix(obj)))
     return Written(_primitive(obj, frame), None)
 
 
@@ -60,8 +59,8 @@ def _rectangle(obj: Rectangle, frame: Frame) -> Written:
     A `polygon` has neither, and vanishes when its corners leave its plane by 1e-10 (Q18).
     """
     square = np.eye(4)
-    square[:3] = np.array([obj.edge_u, obj.edge_v, (0.0, 0.0, 0.0), obj.corner]).T
-    placed = frame.matrix(matrix(obj) @ square)
+    square[:3] = np.array([obj.edge_u, obj.edge_v, (0.0, 0.0, 0.0), obj.corner]).T * frame.scale
+    placed = frame.matrix(matrix(obj)) @ square
     normal = np.array(unit(tuple(np.cross(placed[:3, 0], placed[:3, 1]))))
     placed[:3, 2] = normal
     surface = f"plane {{ {vector(normal)}, {number(np.dot(normal, placed[:3, 3]))}"
