@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from functools import cache
 from importlib import resources
 
-_MODULES = ("view", "clip", "depth", "round", "shapes", "stage")
+_MODULES = ("view", "facing", "clip", "depth", "round", "shapes", "stage")
 _KIT = "equilux_adapters.vtk.kit"
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -54,8 +56,8 @@ def in_frame(view: View, mesh: Mesh, margin: float = 1.1) -> Mesh:
     floor = 0.0 if view.parallel else 1e-9 * np.max(depth[triangles], initial=0.0)
     points, triangles = only_inside(points, triangles, depth - floor)
     if not view.parallel:
-        points, triangles = in_slices(view, points, triangles)
-    return Mesh(points[:, :3], points[:, 3:], triangles)
+        points, triangles = in_octaves(points, triangles, lambda points: points[:, :3] @ view.forward)
+    return replace(mesh, points=points[:, :3], normals=points[:, 3:], triangles=triangles)
 
 
 def only_inside(points: Array, triangles: Array, distance: Array) -> tuple[Array, Array]:
@@ -63,24 +65,32 @@ def only_inside(points: Array, triangles: Array, distance: Array) -> tuple[Array
     if np.min(distance, initial=0.0) >= 0:
         return points, triangles
     points, triangles, _ = cut(points, triangles, distance)
+    return only_used(points, triangles)
+
+
+def only_used(points: Array, triangles: Array) -> tuple[Array, Array]:
+    """The same without points that no triangle uses."""
     used = np.zeros(len(points), dtype=bool)
     used[triangles] = True
     return points[used], (np.cumsum(used) - 1)[triangles]
 
 
-def in_slices(view: View, points: Array, triangles: Array) -> tuple[Array, Array]:
-    """Cut at depths 2^k, where a triangle reaches over more than one octave of depth.
+def in_octaves(points: Array, triangles: Array, size: Callable[[Array], Array]) -> tuple[Array, Array]:
+    """Cut triangles where `size`, a positive linear function of the points, is a power of two.
 
-    The rasteriser interpolates 1/depth linearly in single precision: over many octaves the far end keeps no digits. All triangles
-    of the mesh are cut alike, so that neighbours still share their points.
+    The rasteriser interpolates 1/depth linearly in single precision: over many octaves the far end keeps no digits. All triangles are
+    cut alike, and nothing is when no triangle reaches over more than one octave, so that neighbours still share their points.
     """
-    depth = seen_from(view, points[:, :3])[:, 2]
-    if len(triangles) == 0 or np.max(depth[triangles].max(axis=1) / depth[triangles].min(axis=1)) <= 2:
+    sizes = size(points)[triangles]
+    if len(triangles) == 0 or np.max(sizes.max(axis=1) / sizes.min(axis=1)) <= 2:
         return points, triangles
-    low, high = np.log2(depth[triangles].min()), np.log2(depth[triangles].max())
-    done = []
-    for octave in range(int(np.floor(low)) + 1, int(np.ceil(high))):
-        depth = seen_from(view, points[:, :3])[:, 2]
-        points, triangles, nearer = cut(points, triangles, depth - 2.0**octave)
-        done.append(nearer)
-    return points, np.concatenate([*done, triangles])
+    all_points, all_triangles, total = [], [], 0
+    for octave in range(int(np.floor(np.log2(sizes.min()))), int(np.floor(np.log2(sizes.max()))) + 1):
+        overlapping = triangles[(sizes.min(axis=1) < 2.0 ** (octave + 1)) & (sizes.max(axis=1) >= 2.0**octave)]
+        part, inside, _ = cut(points, overlapping, size(points) - 2.0**octave)
+        part, _, inside = cut(part, inside, size(part) - 2.0 ** (octave + 1))
+        part, inside = only_used(part, inside)
+        all_points.append(part)
+        all_triangles.append(inside + total)
+        total += len(part)
+    return np.concatenate(all_points), np.concatenate(all_triangles)

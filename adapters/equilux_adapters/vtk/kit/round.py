@@ -16,9 +16,8 @@ from equilux_adapters.vtk.kit.view import View
 
 Array = Any
 
-FACET_MIN_PX = 1 / 128
-"""Facets are not made narrower on the film: corners are moved to multiples of 1/256 pixel, and a facet that this turns over is lit from
-behind (Q11)."""
+FACET_MIN_PX = 1 / 512
+"""Facets are not made narrower on the film: corners are moved to multiples of 1/256 pixel."""
 
 CHORD_PX = 1 / 64
 """How far on the film a chord may stay off its circle, at 256 segments."""

@@ -7,7 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from equilux_adapters.vtk.kit.clip import cut
+from equilux_adapters.vtk.kit.clip import cut, in_octaves, only_used
+from equilux_adapters.vtk.kit.facing import is_watertight
 from equilux_adapters.vtk.kit.round import Round, axes_towards, divide, eye_in_object, film_scale, sectors, sphere_division
 from equilux_adapters.vtk.kit.view import Mesh, View, place
 
@@ -94,7 +95,7 @@ def cylinder(
             normals.append(np.tile(normal, (count + 1, 1)))
             fan = np.stack([np.full(count, start + count), start + j, start + following], axis=1)
             triangles.append(fan if end is top else fan[:, ::-1])
-    return place(view, np.concatenate(points), np.concatenate(normals), np.concatenate(triangles), matrix)
+    return place(view, np.concatenate(points), np.concatenate(normals), np.concatenate(triangles), matrix, closed=capped)
 
 
 def disc(view: View, center: Array, normal: Array, radius: float, segments: int, matrix: Array | None = None) -> Mesh:
@@ -131,27 +132,29 @@ def box(view: View, low: Array, high: Array, matrix: Array | None = None) -> Mes
                 normals.append(np.eye(3)[axis] * (2 * side - 1))
             face = np.array([[0, 1, 2], [0, 2, 3]]) + start
             triangles.append(face if side else face[:, ::-1])
-    return place(view, np.stack(points), np.stack(normals), np.concatenate(triangles), matrix)
+    return place(view, np.stack(points), np.stack(normals), np.concatenate(triangles), matrix, closed=True)
 
 
 def mesh(view: View, vertices: Array, faces: Array, vertex_normals: Array | None = None, matrix: Array | None = None) -> Mesh:
     """A triangle mesh; without vertex normals each triangle gets corners of its own with the face's normal."""
     corners = vertices[faces]
     across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    area = np.linalg.norm(across, axis=1, keepdims=True)
-    faces, across = faces[area[:, 0] > 0], across[area[:, 0] > 0] / area[area[:, 0] > 0]
+    area = np.linalg.norm(across, axis=1)
+    closed = is_watertight(vertices, faces)
+    faces, across = faces[area > 0], across[area > 0] / area[area > 0, None]
     if vertex_normals is None:
         own = np.arange(3 * len(faces)).reshape(-1, 3)
-        return place(view, vertices[faces].reshape(-1, 3), np.repeat(across, 3, axis=0), own, matrix)
-    # VTK turns normals by the winding; a triangle wound against its normals is wound anew
+        return place(view, vertices[faces].reshape(-1, 3), np.repeat(across, 3, axis=0), own, matrix, closed)
+    # normals are turned to the eye with their triangle: one wound against its normals is wound anew, and then encloses nothing
     against = np.einsum("ijk,ik->ij", vertex_normals[faces], across).sum(axis=1) < 0
-    return place(view, vertices, vertex_normals, np.where(against[:, None], faces[:, ::-1], faces), matrix)
+    faces = np.where(against[:, None], faces[:, ::-1], faces)
+    return place(view, vertices, vertex_normals, faces, matrix, closed and not (against.any() and not against.all()))
 
 
 def plane(view: View, point: Array, normal: Array, matrix: Array | None = None) -> Mesh:
     """The part of an infinite plane that the film can see, worked out on the film, where 1/depth is linear.
 
-    It ends a little beyond what the farthest pixel centre sees, short of the horizon, and is cut at depths 2^k (see `in_slices`).
+    It ends a little beyond what the farthest pixel centre sees, short of the horizon, and is cut at depths 2^k (see `in_octaves`).
     """
     point, normal = np.asarray(point, dtype=float), np.asarray(normal, dtype=float)
     if matrix is not None:
@@ -173,7 +176,7 @@ def plane(view: View, point: Array, normal: Array, matrix: Array | None = None) 
         facing = along < 0
     else:
         film, triangles, nearness = plane_to_horizon(view, film, triangles, across / height, along / height)
-        points = (view.forward + film @ np.stack([view.right, view.up])) / np.where(nearness > 0, nearness, 1.0)[:, None]
+        points = (view.forward + film @ np.stack([view.right, view.up])) / nearness[:, None]
         facing = height < 0
     return Mesh(points, np.tile(normal, (len(points), 1)), triangles if facing else triangles[:, ::-1])
 
@@ -185,14 +188,8 @@ def plane_to_horizon(view: View, film: Array, triangles: Array, slope: Array, of
     centres = columns[None, :] * slope[0] + rows[:, None] * slope[1] + offset
     least = np.min(centres, initial=np.inf, where=centres > 0)
     film, triangles, _ = cut(film, triangles, film @ slope + offset - 0.99 * least)
-    nearness = film @ slope + offset
-    done = []
-    if len(triangles):
-        used = nearness[triangles]
-        for octave in range(int(np.floor(np.log2(used.max()))), int(np.floor(np.log2(used.min()))), -1):
-            film, nearer, triangles = cut(film, triangles, film @ slope + offset - 2.0**octave)
-            done.append(nearer)
-    return film, np.concatenate([*done, triangles]), film @ slope + offset
+    film, triangles = in_octaves(*only_used(film, triangles), lambda film: film @ slope + offset)
+    return film, triangles, film @ slope + offset
 
 
 def read_mesh(name: str) -> dict[str, Array]:

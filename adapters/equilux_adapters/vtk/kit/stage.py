@@ -24,6 +24,7 @@ from vtkmodules.vtkRenderingOpenGL2 import (
 
 from equilux_adapters.vtk.kit.clip import in_frame
 from equilux_adapters.vtk.kit.depth import clipping_range
+from equilux_adapters.vtk.kit.facing import towards_eye
 from equilux_adapters.vtk.kit.view import Mesh, View
 
 Array = Any
@@ -76,10 +77,12 @@ def actor(mesh: Mesh, surface: vtkProperty) -> vtkActor:
     data.SetPolys(cells)
     data.GetPointData().SetNormals(normals)
     mapper = vtkPolyDataMapper()
+    mapper.SetVBOShiftScaleMethod(0)  # coordinates are relative to the eye already; a shift of VTK's own loses digits near it
     mapper.SetInputData(data)
     result = vtkActor()
     result.SetMapper(mapper)
     result.SetProperty(surface)
+    surface.SetBackfaceCulling(True)  # all show their front, see `towards_eye`
     return result
 
 
@@ -121,7 +124,7 @@ def render(view: View, background: Array, lights: list[vtkLight], objects: list[
         window.AddRenderer(renderer)
         for light in lights:
             renderer.AddLight(light)
-        seen = [(in_frame(view, mesh), surface) for mesh, surface in objects]
+        seen = [(in_frame(view, towards_eye(view, mesh)), surface) for mesh, surface in objects]
         # on equal depth VTK keeps what is drawn last: the first object has to be that
         for mesh, surface in reversed(seen):
             if len(mesh.triangles):

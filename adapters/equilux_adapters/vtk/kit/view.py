@@ -15,11 +15,13 @@ class Mesh:
     """Triangles in coordinates relative to the eye (world axes, metres), double precision.
 
     points: (n, 3). normals: (n, 3), outward, not of unit length in general. triangles: (m, 3), counter-clockwise seen from outside.
+    closed: the triangles enclose a volume, so that from outside only their fronts are seen.
     """
 
     points: Array
     normals: Array
     triangles: Array
+    closed: bool = False
 
 
 @dataclass(frozen=True)
@@ -61,18 +63,21 @@ def seen_from(view: View, points: Array) -> Array:
     return points @ np.stack([view.right, view.up, view.forward], axis=1)
 
 
-def place(view: View, points: Array, normals: Array, triangles: Array, matrix: Array | None = None) -> Mesh:
+def place(
+    view: View, points: Array, normals: Array, triangles: Array, matrix: Array | None = None, closed: bool = False
+) -> Mesh:
     """Object space → relative to the eye, in double, so that a scene far from the origin keeps its digits in float32 later.
 
     Normals go by the inverse transpose and are *not* made unit again: VTK interpolates them linearly and normalises per pixel, so
     interpolating before and after the transform is the same. A mirroring matrix turns the winding, which must agree with the normals.
     """
     if matrix is None:
-        return Mesh(points - view.eye, normals, triangles)
+        return Mesh(points - view.eye, normals, triangles, closed)
     matrix = np.asarray(matrix, dtype=float)
     linear, shift = matrix[:3, :3], matrix[:3, 3]
     inverse = np.linalg.inv(linear)
     if np.linalg.det(linear) < 0:
         triangles = triangles[:, ::-1]
     # the scale of normals is free: keep it near 1, float32 has to hold it
-    return Mesh(points @ linear.T + (shift - view.eye), normals @ inverse * np.cbrt(abs(np.linalg.det(linear))), triangles)
+    normals = normals @ inverse * np.cbrt(abs(np.linalg.det(linear)))
+    return Mesh(points @ linear.T + (shift - view.eye), normals, triangles, closed)
