@@ -16,6 +16,7 @@ import numpy.typing as npt
 CLIPPED = 65535  # the brightest code: this radiance or more
 HALF_STEP = 0.5 / CLIPPED  # of the full scale
 MARGIN = 0.98  # of the ladder's ratio, left for float32 arithmetic
+DEPTHS = 2  # looks into a black picture: 65535² below `darkest`
 SPECULATION = 3  # rungs that a first look starts together: most pictures shade from something bright to black
 
 Codes = npt.NDArray[np.uint16]
@@ -55,7 +56,7 @@ class Plan:
         if not self.looked:
             return self._first_wave()
         if not self._unclipped():
-            return [_expressible(max(self.looked) * self._ratio)]
+            return self._brighter()
         return self._missing()
 
     def chosen(self) -> dict[float, Codes]:
@@ -75,11 +76,17 @@ class Plan:
         if self.limit == 1:
             # a picture as a file shows it: full scale 1
             return [1.0]
-        if self.ceiling <= self._rung(-1):
+        if 0 < self.ceiling <= self._rung(-1):
             # darker altogether than what the ladder is made for
-            return [_expressible(max(self.ceiling * 1.001, 1e-30))]
+            return [_expressible(self.ceiling * 1.001)]
         top = next(k for k in range(100) if self._rung(k) >= self.ceiling)
         return [self._rung(k) for k in range(min(top + 1, SPECULATION, self.limit))]
+
+    def _brighter(self) -> list[float]:
+        """Something is brighter than all that was looked at: the next rung, and the one above if the ceiling allows for it."""
+        following = _expressible(max(self.looked) * self._ratio)
+        beyond = [_expressible(following * self._ratio)] if self.limit > 1 and self.ceiling > following else []
+        return [following, *beyond]
 
     def _unclipped(self) -> list[float]:
         return [scale for scale, codes in self.looked.items() if int(codes.max()) < CLIPPED]
@@ -88,15 +95,23 @@ class Plan:
         """The rungs that would show to the precision asked for what no exposure so far does."""
         chosen = self.chosen()
         radiance, used = merge(chosen)
+        if not radiance.any():
+            return self._deeper(float(used.max()))
         # black counts as unknown up to half a step; the brightest value of a dark picture gets full precision too
-        above = radiance + used * HALF_STEP
-        asked = np.maximum(above, min(self.darkest, float(above.max())))
+        asked = np.maximum(radiance + used * HALF_STEP, min(self.darkest, float(radiance.max())))
         lacking = used * HALF_STEP > self.relative_precision * asked * (1.0 + 1e-6)
         if not lacking.any():
             return []
         steps = np.floor(np.log(asked[lacking] / self.darkest) / math.log(self._ratio) + 1e-9).astype(int)
         wanted = {self._rung(int(k)) for k in np.unique(steps)} - set(self.looked)
         return sorted(wanted, reverse=True)[: max(0, self.limit - len(chosen))]
+
+    def _deeper(self, seen: float) -> list[float]:
+        """All black: look below the first step, DEPTHS times at most, unless the ceiling says that nothing is there."""
+        black = [scale for scale in self.looked if scale < self._rung(0)]
+        if self.limit == 1 or len(black) >= DEPTHS or self.ceiling <= seen * HALF_STEP * self.relative_precision:
+            return []
+        return [_expressible(min(min(self.looked), self._rung(0)) / CLIPPED)]
 
 
 def factor(full_scale: float) -> str:

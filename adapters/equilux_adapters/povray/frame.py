@@ -25,6 +25,7 @@ PLANE_DEPTH = 1e7  # units; a plane farther along the ray is a miss (Q14)
 BOX_ROUNDING = 4 * 2.0**-24  # relative; bounding boxes, the ray's origin and 1/direction are float32 (Q16)
 LEAST_PX = 1e-6  # double rounding of rays and crossings
 REMOTE = 16.0  # an eye farther from the origin than this many extents of the scene becomes the origin
+SCALES = [1.0] + [10.0**n for n in range(-24, 25) if n]  # units per metre, the plainest first
 TOLERABLE_PX = 0.01  # beyond this the unit is chosen for accuracy instead of readability
 
 
@@ -104,7 +105,7 @@ def choose(case: Case) -> Frame:
     camera = view(case)
     objects = [_seen(case, camera, index) for index in range(len(case.scene.objects))]
     near, far = _hit_range(camera, objects)
-    fitting = [s for s in [1.0] + [10.0**n for n in range(-8, 9) if n] if near * s >= NEAREST_HIT and far * s <= FARTHEST_HIT]
+    fitting = [s for s in SCALES if near * s >= NEAREST_HIT and far * s <= FARTHEST_HIT]
     if not fitting:
         shapes = sorted({f"shape.{obj.kind}" for obj in case.scene.objects})
         span = f"from {near:g} m to {far:g} m in front of the eye"

@@ -14,7 +14,7 @@ class PovrayKnobs(Knobs):
         description="most exposures merged into one image; the brightest part is always unclipped, the dark end gives way",
     )
     relative_precision: float = Field(
-        default=1e-4, ge=1e-7, le=0.1, json_schema_extra={"faster": "larger"},
+        default=1e-4, ge=2e-5, le=0.1, json_schema_extra={"faster": "larger"},
         description="relative error by quantisation, from `darkest` upwards",
     )
     darkest: float = Field(

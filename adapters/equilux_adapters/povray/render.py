@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import shutil
 import subprocess
+import sys
 import time
 from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
@@ -20,7 +21,8 @@ from equilux_adapters.povray.translate import SETTINGS_FILE
 
 EXECUTABLE = "povray"
 POLL_S = 0.005
-TAIL_LINES = 12
+MESSAGE_LINES = 12
+DONE = "POV-Ray finished"
 
 
 @dataclass(frozen=True)
@@ -78,9 +80,9 @@ def _run_all(executable: str, wave: Sequence[Exposure], workdir: Path, deadline:
             running[exposure] = process
         while any(process.poll() is None for process in running.values()):
             if time.monotonic() > deadline:
-                raise RendererTimedOut(f"POV-Ray still ran at the limit; it last said: {_last_line(workdir, wave[0])}")
-            failed = [e for e, process in running.items() if process.poll() not in (None, 0)]
-            if failed:
+                log = _log(workdir, wave[0]).read_text(errors="replace")
+                raise RendererTimedOut(f"POV-Ray still ran at the limit; it said: {_short(spoken(log))}")
+            if any(process.poll() not in (None, 0) for process in running.values()):
                 break
             time.sleep(POLL_S)
         for exposure, process in running.items():
@@ -89,9 +91,13 @@ def _run_all(executable: str, wave: Sequence[Exposure], workdir: Path, deadline:
 
 
 def _start(executable: str, exposure: Exposure, workdir: Path) -> subprocess.Popen[bytes]:
+    command = [executable, *exposure.arguments]
     with open(_log(workdir, exposure), "wb") as log:
-        command = [executable, *exposure.arguments]
-        return subprocess.Popen(command, cwd=workdir, env=_environment(workdir), stdin=subprocess.DEVNULL, stdout=log, stderr=log)
+        try:
+            environment = _environment(workdir)
+            return subprocess.Popen(command, cwd=workdir, env=environment, stdin=subprocess.DEVNULL, stdout=log, stderr=log)
+        except OSError as problem:
+            raise RendererFailed(f"{executable} cannot be run: {problem.strerror}") from problem
 
 
 def _environment(workdir: Path) -> Mapping[str, str]:
@@ -105,23 +111,22 @@ def _log(workdir: Path, exposure: Exposure) -> Path:
 
 
 def _check(exposure: Exposure, status: int, workdir: Path) -> None:
+    said = spoken(_log(workdir, exposure).read_text(errors="replace"))
+    if said:
+        # the engine keeps what its worker says
+        print(f"povray, {exposure.name}:", *said, sep="\n", file=sys.stderr)
     if status < 0:
-        raise RendererCrashed(f"POV-Ray was ended by signal {-status}; it last said: {_last_line(workdir, exposure)}", -status)
+        raise RendererCrashed(f"POV-Ray was ended by signal {-status}; it said: {_short(said)}", -status)
     if status > 0:
-        said = _log(workdir, exposure).read_text(errors="replace")
-        raise RendererFailed(f"POV-Ray ended with status {status}: {complaint(said)}")
+        raise RendererFailed(f"POV-Ray ended with status {status}: {_short(said)}")
 
 
-def _last_line(workdir: Path, exposure: Exposure) -> str:
-    lines = _log(workdir, exposure).read_text(errors="replace").split("\n")
-    return next((line.strip() for line in reversed(lines) if line.strip()), "nothing")
-
-
-def complaint(log: str) -> str:
-    """What POV-Ray complained of, without banner and statistics: the lines around the first error; else its last lines."""
+def spoken(log: str) -> list[str]:
+    """What POV-Ray said beyond its banner: the lines below the heading of its first phase, or all if it never came so far."""
     lines = [line.rstrip() for line in log.splitlines() if line.strip() and "user configuration file" not in line]
-    first = next((i for i, line in enumerate(lines) if "error" in line.lower() or "problem" in line.lower()), None)
-    if first is None:
-        return "\n".join(lines[-TAIL_LINES:]) or "it said nothing"
-    return "\n".join(lines[max(0, first - 3) : first + TAIL_LINES - 3])
+    phases = [i for i, line in enumerate(lines) if line.startswith("==== ")]
+    return [line for line in lines[phases[0] :] if not line.startswith("==== ") and line != DONE] if phases else lines
 
+
+def _short(said: Sequence[str]) -> str:
+    return "\n".join(said[:MESSAGE_LINES]) or "nothing"

@@ -108,7 +108,8 @@ def _settings(case: Case, knobs: PovrayKnobs) -> str:
         f"Width={film.width}", f"Height={film.height}",
         "Output_File_Type=N", "Bits_Per_Color=16", "File_Gamma=1.0", "Output_Alpha=Off", "Grayscale_Output=Off", "Dither=Off",
         "Antialias=Off", "Quality=9", "Bounding=On", f"Bounding_Threshold={EXHAUSTIVE}", f"Work_Threads={knobs.threads}",
-        "Display=Off", "Pause_When_Done=Off", "Verbose=Off", "Continue_Trace=Off", "",
+        "Display=Off", "Pause_When_Done=Off", "Verbose=Off", "Continue_Trace=Off",
+        "Debug_Console=Off", "Render_Console=Off", "Statistic_Console=Off", "",
     ])
 
 
