@@ -39,21 +39,28 @@ def read_bytes(path: Path, limit: int) -> bytes:
         descriptor = os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_CLOEXEC", 0))
     except OSError as error:
         raise CannotRead(_why(error)) from None
-    with os.fdopen(descriptor, "rb") as file:
-        status = os.fstat(file.fileno())
-        if stat.S_ISDIR(status.st_mode):
-            raise CannotRead("a folder")
-        if not stat.S_ISREG(status.st_mode):
-            raise CannotRead("not a regular file")
-        if status.st_size > limit:
-            raise CannotRead("too large", size=status.st_size)
-        try:
+    try:
+        _check(os.fstat(descriptor), limit)
+        with os.fdopen(descriptor, "rb", closefd=False) as file:
             content = file.read(limit + 1)
-        except OSError as error:
-            raise CannotRead(_why(error)) from None
-    if len(content) > limit:
+    except CannotRead:
+        raise
+    except OSError as error:
+        raise CannotRead(_why(error)) from None
+    finally:
+        os.close(descriptor)
+    if len(content) > limit:  # it grew meanwhile
         raise CannotRead("too large", size=len(content))
     return content
+
+
+def _check(status: os.stat_result, limit: int) -> None:
+    if stat.S_ISDIR(status.st_mode):
+        raise CannotRead("a folder")
+    if not stat.S_ISREG(status.st_mode):
+        raise CannotRead("not a regular file")
+    if status.st_size > limit:
+        raise CannotRead("too large", size=status.st_size)
 
 
 def _why(error: OSError) -> str:

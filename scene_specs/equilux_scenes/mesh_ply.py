@@ -188,7 +188,7 @@ class _Ascii:
     """One line per element, as every writer does."""
 
     def __init__(self, content: bytes, text: MeshText, header: _Header) -> None:
-        self.lines = content[header.end :].decode("ascii", errors="replace").replace("\r\n", "\n").split("\n")
+        self.lines = content[header.end :].decode("ascii", errors="replace").replace("\r\n", "\n").rstrip().split("\n")
         self.first_line = header.line + 1
         self.next = 0
         self.text = text
@@ -243,6 +243,11 @@ class _Ascii:
             self._row(element, index)
 
 
+def _size(code: str) -> int:
+    """Bytes of a NumPy type code."""
+    return int(code[1])
+
+
 # --- binary -----------------------------------------------------------------------------------------------------------
 
 
@@ -276,18 +281,19 @@ class _Binary:
         lengths: dict[str, int] = {}
         at = self.at
         for item in element.properties:
-            size = np.dtype(item.type).itemsize
+            size = _size(item.type)
             if item.count_type is not None:
-                kind = np.dtype(self.order + item.count_type)
-                if at + kind.itemsize > len(self.content):
-                    raise self._truncated(element, index)
-                lengths[item.name] = int(np.frombuffer(self.content, kind, 1, at)[0])
-                at += kind.itemsize
-                size *= lengths[item.name]
-            if size < 0 or at + size > len(self.content):
-                raise self._truncated(element, index)
+                end = at + _size(item.count_type)
+                lengths[item.name] = length = self._integer(self.content[at:end], item.count_type)
+                at = end
+                size *= length
             at += size
+            if size < 0 or at > len(self.content):
+                raise self._truncated(element, index)
         return lengths
+
+    def _integer(self, content: bytes, code: str) -> int:
+        return int.from_bytes(content, "little" if self.order == "<" else "big", signed=code[0] == "i")
 
     def _rows(self, element: _Element) -> list[npt.NDArray[np.void]]:
         """All rows, in stretches whose lists have equal lengths."""
