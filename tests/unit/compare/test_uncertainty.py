@@ -215,7 +215,7 @@ def test_the_coverage_factor_is_two_sided_over_all_bands_of_the_pair() -> None:
 
 
 def test_chance_alone_raises_an_alarm_as_often_as_the_level_allows(monkeypatch: pytest.MonkeyPatch) -> None:
-    """At 5 % per band instead of 1e-6 per pair, so that there is something to count; pixels one by one, so that pooling is neutral.
+    """At 5 % per band instead of 1e-6 per pair, so that there is something to count; pixel by pixel, so that nothing is pooled.
 
     Of n bands, x ~ binomial(n, 0.05) diverge when one side is sampled; five standard deviations of √(n 0.05 0.95) are allowed.
     """
