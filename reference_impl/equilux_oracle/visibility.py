@@ -19,8 +19,8 @@ from equilux_oracle.shapes.crossing import each_ray
 
 TIE = 2.0**-50
 """Crossings nearer to each other than this share of the distance and of the eye's coordinates are one crossing. Surfaces that a
-spec makes coincide do so only up to the rounding of the numbers that describe them, and which of them is seen must not depend on that
-rounding (Q2 of the oracle adapter's QUIRKS.md)."""
+spec makes coincide do so only up to the rounding of the numbers that describe them, and which of them is seen must not depend on
+that rounding (Q2 of the oracle adapter's QUIRKS.md)."""
 
 
 @dataclass(frozen=True)
