@@ -1,4 +1,6 @@
-"""How numbers are written: grouped by thin spaces, three significant digits, never a percentage that hides a pixel."""
+"""How numbers are written: counts grouped by thin spaces, measures in three significant digits that a script can read back, and
+never a percentage that hides a pixel.
+"""
 
 from __future__ import annotations
 
@@ -21,15 +23,14 @@ def magnitude(value: float | None, digits: int = 3) -> str:
     if value == 0:
         return "0"
     if math.isinf(value):
-        return "∞" if value > 0 else "−∞"
+        return "∞" if value > 0 else "-∞"
     size = abs(value)
-    sign = "−" if value < 0 else ""
+    sign = "-" if value < 0 else ""
     rounded = float(f"{size:.{digits - 1}e}")
     exponent = math.floor(math.log10(rounded))
     if -4 < exponent < 6:
         places = max(0, digits - 1 - exponent)
-        body = f"{rounded:.{places}f}"
-        return sign + (count(int(rounded)) if places == 0 and rounded >= 10_000 else body)
+        return f"{sign}{rounded:.{places}f}"
     mantissa, _, power = f"{rounded:.{digits - 1}e}".partition("e")
     return f"{sign}{mantissa}e{int(power)}"
 

@@ -30,7 +30,7 @@ STATUS = {
 }
 
 CLASSES = ("agree", "diverge", "edge", "invalid")
-INVALID_KINDS = {"nan": "NaN", "+inf": "+Inf", "-inf": "−Inf", "negative": "negative beyond its uncertainty"}
+INVALID_KINDS = {"nan": "NaN", "+inf": "+Inf", "-inf": "-Inf", "negative": "negative beyond its uncertainty"}
 RADIANCE = "W/(m²·sr)"
 TIMES = "\u202f×\u202f"
 

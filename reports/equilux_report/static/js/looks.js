@@ -66,7 +66,7 @@ const heat = ({ band }) => ({
     return (i) => mapped(value(i), (v) => eq.divergingAt(eq.heatPosition(v)));
   },
   legend: { colour: eq.divergingAt, from: -1, unit: `Eₙ${BANDS.includes(band) ? `, ${band}` : ", largest band"}; dim: within the uncertainty`,
-    ticks: HEAT_TICKS.map((en) => ({ at: (eq.heatPosition(en) + 1) / 2, isMinor: Math.abs(en) === 100, text: Math.abs(en) === 1e4 ? `${en < 0 ? "−" : ""}10⁴` : eq.short(en) })) },
+    ticks: HEAT_TICKS.map((en) => ({ at: (eq.heatPosition(en) + 1) / 2, isMinor: Math.abs(en) === 100, text: Math.abs(en) === 1e4 ? `${en < 0 ? "-" : ""}10⁴` : String(en) })) },
 });
 
 eq.looks = {

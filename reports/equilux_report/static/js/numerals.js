@@ -2,11 +2,11 @@
 eq.float32Text = (value) => {
   if (Number.isNaN(value)) return "NaN";
   if (value === Infinity) return "+Inf";
-  if (value === -Infinity) return "−Inf";
-  if (Object.is(value, -0)) return "−0";
+  if (value === -Infinity) return "-Inf";
+  if (Object.is(value, -0)) return "-0";
   for (let digits = 1; digits < 10; digits += 1) {
     const text = value.toPrecision(digits);
-    if (Math.fround(Number(text)) === value) return String(Number(text)).replace("-", value < 0 ? "−" : "-").replace("e-", "e−");
+    if (Math.fround(Number(text)) === value) return String(Number(text));
   }
   return String(value);
 };
@@ -17,8 +17,8 @@ eq.short = (value, digits = 3) => {
   if (!Number.isFinite(value)) return eq.float32Text(value);
   if (value === 0) return "0";
   const size = Math.abs(value);
-  const text = size >= 1e-3 && size < 1e6 ? String(Number(value.toPrecision(digits))) : value.toExponential(digits - 1).replace("e+", "e");
-  return text.replace(/-/g, "−");
+  if (size < 1e-3 || size >= 1e6) return value.toExponential(digits - 1).replace("e+", "e");
+  return size < 10 ** (digits - 1) ? value.toPrecision(digits) : String(Number(value.toPrecision(digits)));
 };
 
 eq.count = (value) => String(value).replace(/\B(?=(\d{3})+$)/g, "\u202f");

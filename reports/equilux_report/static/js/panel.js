@@ -143,7 +143,7 @@ const oddities = (picture, prefix) => {
   for (const band of ["R", "G", "B"]) {
     for (const value of picture.planes[prefix + band]) if (!Number.isFinite(value)) counts[Number.isNaN(value) ? "nan" : value > 0 ? "plusInf" : "minusInf"] += 1;
   }
-  const names = { nan: "NaN", plusInf: "+Inf", minusInf: "−Inf" };
+  const names = { nan: "NaN", plusInf: "+Inf", minusInf: "-Inf" };
   const found = Object.keys(counts).filter((kind) => counts[kind]).map((kind) => {
     const swatch = eq.element("i", { class: "swatch" });
     swatch.style.background = eq.css(eq.special[kind]);
