@@ -25,7 +25,8 @@ if TYPE_CHECKING:
 NAME = "image"
 """What the judged image is called in the pair, in an adapter's place."""
 
-INTEGER_STEPS = {"uint8": 1 / 255, "uint16": 1 / 65535, "uint32": 1 / 4294967295, "int8": 1 / 127, "int16": 1 / 32767}
+INTEGERS = {"uint8": (oiio.UINT8, 255), "uint16": (oiio.UINT16, 65535), "uint": (oiio.UINT, 4294967295)}
+"""Number type → OpenImageIO's name of it and its largest value, which stands for 1 W/(m²·sr)."""
 FLOATS = ("half", "float", "double")
 EXACT_COMPRESSIONS = ("", "none", "rle", "zip", "zips", "piz", "lzw", "packbits", "deflate", "ccittrle", "zstd")
 LOSSY_FORMATS = ("jpeg", "jpeg2000", "jpegxl", "webp", "heif")
@@ -108,6 +109,7 @@ def _read_array(path: Path) -> ForeignImage:
 def _read_picture(path: Path) -> ForeignImage:
     as_stored = oiio.ImageSpec()
     as_stored.attribute("oiio:UnassociatedAlpha", 1)  # else the bands would be multiplied by an alpha that is then left aside
+    as_stored.attribute("pnm:pfmflip", 1)  # PFM has its last row first; OpenImageIO 3.2 turns it only when asked
     source = oiio.ImageInput.open(str(path), as_stored)
     if source is None:
         raise BadUsage(f"'{path}' cannot be read: {_one_line(oiio.geterror())}")
@@ -116,7 +118,7 @@ def _read_picture(path: Path) -> ForeignImage:
         _refuse_what_is_no_film(path, spec)
         bands = _bands(path, spec)
         numbers = [str(spec.channelformat(band)) for band in bands]
-        pixels = source.read_image(oiio.DOUBLE if "double" in numbers or "uint32" in numbers else oiio.FLOAT)
+        pixels = _pixels(source, numbers)
         error = _one_line(source.geterror())
     finally:
         source.close()
@@ -127,6 +129,17 @@ def _read_picture(path: Path) -> ForeignImage:
     image = np.ascontiguousarray(pixels[..., bands])
     budget = Budget(_format_terms(path, image, numbers, kind))
     return ForeignImage(image, budget, tuple(_notes(spec, bands, numbers, kind, image)))
+
+
+def _pixels(source: Any, numbers: list[str]) -> Any:
+    """All channels as float32 or float64, None on failure. Integers are divided here: OpenImageIO would lose a unit in the
+    last place.
+    """
+    if len(set(numbers)) == 1 and numbers[0] in INTEGERS:
+        number, largest = INTEGERS[numbers[0]]
+        raw = source.read_image(number)
+        return None if raw is None else raw.astype(np.float64) / largest
+    return source.read_image(oiio.FLOAT if set(numbers) <= {"half", "float"} else oiio.DOUBLE)
 
 
 def _refuse_what_is_no_film(path: Path, spec: Any) -> None:
@@ -157,9 +170,9 @@ def _bands(path: Path, spec: Any) -> list[int]:
 
 def _format_terms(path: Path, image: Image, numbers: list[str], kind: str) -> tuple[Bound, ...]:
     """What storing the bands in this file has cost; storing in float32 is always counted by `uncertainty.stated`."""
-    unknown = sorted(set(numbers) - set(INTEGER_STEPS) - set(FLOATS))
+    unknown = sorted(set(numbers) - set(INTEGERS) - set(FLOATS))
     if unknown:
-        raise BadUsage(f"'{path}' holds {', '.join(unknown)}, allowed {', '.join((*FLOATS, *INTEGER_STEPS))}")
+        raise BadUsage(f"'{path}' holds {', '.join(unknown)}, allowed {', '.join((*FLOATS, *INTEGERS))}")
     terms = []
     if kind == "hdr":
         reach = np.repeat(np.abs(image.astype(np.float64)).max(axis=2, keepdims=True), 3, axis=2) * 2.0**-7
@@ -167,9 +180,11 @@ def _format_terms(path: Path, image: Image, numbers: list[str], kind: str) -> tu
         terms.append(Bound("shared exponent", reason, abs=np.where(np.isfinite(reach), reach, 0.0)))
     elif "half" in numbers:
         terms.append(_half(image.astype(np.float64)))
-    steps = max((INTEGER_STEPS.get(number, 0.0) for number in numbers), default=0.0)
-    if steps:
-        terms.append(Bound("quantisation", f"half a step of {', '.join(sorted(set(numbers)))}", abs=steps / 2))
+    half_step = max((0.5 / INTEGERS[number][1] for number in numbers if number in INTEGERS), default=0.0)
+    if half_step:
+        # A writer that scales by N, adds ½ and truncates in float32 rounds twice, 2^-24 of L N + ½ each time.
+        reason = f"half a step of {', '.join(sorted(set(numbers)))}, and float32 arithmetic in the writer"
+        terms.append(Bound("quantisation", reason, abs=half_step * (1 + 2.0**-22), rel=2.0**-22))
     return tuple(terms)
 
 
@@ -189,7 +204,7 @@ def _notes(spec: Any, bands: list[int], numbers: list[str], kind: str, image: Im
         yield f"left aside: {', '.join(aside)}"
     if spec.get_int_attribute("oiio:subimages", 1) > 1:
         yield f"only the first of {spec.get_int_attribute('oiio:subimages', 1)} images in the file is judged"
-    if set(numbers) & set(INTEGER_STEPS):
+    if set(numbers) & set(INTEGERS):
         yield "integers are taken as linear radiance, the largest as 1 W/(m²·sr); no transfer curve is undone"
         clipped = int((image >= 1).any(axis=2).sum())
         if clipped:
