@@ -93,12 +93,14 @@ def _one_case(loaded: Sequence[Any], case_filter: str | None) -> Case:
 def _read(image: Path, abs_: float, rel: float) -> RenderedImage:
     from equilux.adapter import Bound, Budget
     from equilux.compare import RenderedImage
-    from equilux.foreign import read_image
+    from equilux.score import read_image
     from equilux.uncertainty import stated
 
-    pixels, budget = read_image(image)
+    found = read_image(image)
+    for note in found.notes:
+        sys.stderr.write(f"{image}: {note}\n")
     own = Bound("stated", "given on the command line", abs=abs_, rel=rel)
-    return RenderedImage(NAME, pixels, stated(Budget((*budget.terms, own)), pixels))
+    return RenderedImage(NAME, found.image, stated(Budget((*found.budget.terms, own)), found.image))
 
 
 def _truth(case: Case, settings: tuple[str, ...], timeout: float, out: Path) -> RenderedImage | None:
