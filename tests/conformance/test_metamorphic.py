@@ -1,8 +1,8 @@
 """Laws of light that hold whatever the scene, over random scenes, for the tracer and for the oracle.
 
-Where telling a scene differently rounds no number (powers of two, whole metres on a binary grid, exchanged axes), the picture must
-be the same to the evaluator's own promise, edges included, or even to the last bit; only where the telling itself rounds are edges
-left out.
+Where telling a scene differently rounds no number (powers of two, whole metres on a binary grid, exchanged axes), the picture
+must be the same to the evaluator's own promise, edges included, or even to the last bit; only where the telling itself rounds are
+edges left out.
 """
 
 from __future__ import annotations
@@ -36,9 +36,9 @@ PROMISE = 1e-12
 
 INPUTS = 1e-10
 """What rounding a scene's numbers once more may change, in units of the scale with spots' cos^e left out. Places and matrices are
-rounded by 2^-52 of at most 10 m; hit points then move by 10 times that at |N·V| = 0.1, and normals by this over the least radius of
-curvature, 0.2 × 0.6: 2e-13 in every direction. A highlight of exponent 1000 feels 19 times that twice over (R turns twice as far
-as N), a spot of exponent 60 at 89° feels 60 times; with E's own the sum is below 3e-11."""
+rounded by 2^-52 of at most 10 m; hit points then move by 10 times that at |N·V| = 0.1, and normals by this over the least radius
+of curvature, 0.2 × 0.6: 2e-13 in every direction. A highlight of exponent 1000 feels 19 times that twice over (R turns twice as
+far as N), a spot of exponent 60 at 89° feels 60 times; with E's own the sum is below 3e-11."""
 
 SUBJECTS = {
     "tracer": lambda case, film_xy: Tracer(case).evaluate(film_xy, ["radiance"])["radiance"],
