@@ -63,7 +63,7 @@ def _version(executable: str, changed_ns: int) -> str:
         said = subprocess.run([executable, "--version"], capture_output=True, text=True, errors="replace", timeout=10)
     except (OSError, subprocess.TimeoutExpired) as problem:
         return f"unknown ({problem})"
-    found = re.search(r"POV-Ray (\d[\w.]*)", said.stdout + said.stderr)
+    found = re.search(r"POV-Ray (\d[\w.+-]*)", said.stdout + said.stderr)
     return found.group(1) if found else "unknown"
 
 

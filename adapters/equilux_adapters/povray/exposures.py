@@ -60,10 +60,10 @@ class Plan:
         return self._missing()
 
     def chosen(self) -> dict[float, Codes]:
-        """The exposures to merge: the smallest full scale that clips nothing and, up to the limit, those next below it."""
+        """The exposures to merge: the smallest full scale that clips nothing and, up to the limit, those below that show more."""
         top = min(self._unclipped())
-        scales = sorted((scale for scale in self.looked if scale <= top), reverse=True)[: self.limit]
-        return {scale: self.looked[scale] for scale in scales}
+        useful = [scale for scale, codes in self.looked.items() if scale <= top and int(codes.min()) < CLIPPED]
+        return {scale: self.looked[scale] for scale in sorted(useful, reverse=True)[: self.limit]}
 
     @property
     def _ratio(self) -> float:

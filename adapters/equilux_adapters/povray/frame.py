@@ -112,7 +112,11 @@ def choose(case: Case) -> Frame:
         raise Unsupported(shapes, f"surfaces {span}: POV-Ray sees {NEAREST_HIT:g} to {FARTHEST_HIT:g} of its units")
     origin = _origin(camera, far)
     errors = {s: max([LEAST_PX] + [_object_error(camera, origin, s, seen) for seen in objects]) for s in fitting}
-    best = fitting[0] if errors[fitting[0]] <= TOLERABLE_PX else min(fitting, key=lambda s: errors[s])
+    if errors.get(1.0, math.inf) <= TOLERABLE_PX:
+        return Frame(origin, 1.0, errors[1.0])
+    # the smallest error; among equals, the middle of the range of lengths that POV-Ray is at ease with
+    middle = math.sqrt(NEAREST_HIT * FARTHEST_HIT / near / far)
+    best = min(fitting, key=lambda s: (errors[s], abs(math.log(s / middle))))
     return Frame(origin, best, errors[best])
 
 

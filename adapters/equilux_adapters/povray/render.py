@@ -22,7 +22,7 @@ from equilux_adapters.povray.translate import SETTINGS_FILE
 EXECUTABLE = "povray"
 POLL_S = 0.005
 MESSAGE_LINES = 12
-DONE = "POV-Ray finished"
+CHATTER = ("==== ", "Parsing ", "Rendered ", "POV-Ray finished")  # headings and progress
 
 
 @dataclass(frozen=True)
@@ -125,7 +125,7 @@ def spoken(log: str) -> list[str]:
     """What POV-Ray said beyond its banner: the lines below the heading of its first phase, or all if it never came so far."""
     lines = [line.rstrip() for line in log.splitlines() if line.strip() and "user configuration file" not in line]
     phases = [i for i, line in enumerate(lines) if line.startswith("==== ")]
-    return [line for line in lines[phases[0] :] if not line.startswith("==== ") and line != DONE] if phases else lines
+    return [line for line in lines[phases[0] :] if not line.startswith(CHATTER)] if phases else lines
 
 
 def _short(said: Sequence[str]) -> str:
