@@ -13,10 +13,8 @@ import numpy as np
 from equilux.adapter import Bound, Budget, Case, Geometric
 from equilux_scenes.model import DirectionalLight, SpotLight
 
-from equilux_adapters.vtk.geometry import geometry_of, reach_of, set_back_of, view_of
+from equilux_adapters.vtk.geometry import U, geometry_of, horizon_of, reach_of, set_back_of, view_of
 from equilux_adapters.vtk.knobs import VtkKnobs
-
-U = 2.0**-24
 
 SNAP_PX = 1 / 256
 """Corners are moved to multiples of 1/256 pixel, so by 1/512 along either axis; an edge moves by √2/512 at most."""
@@ -47,6 +45,7 @@ def facts_of(case: Case, knobs: VtkKnobs) -> dict[str, Any]:
     facts["exponent"] = max((min(exponent, 128.0) for exponent in exponents), default=0.0)  # Q5, Q7
     facts["reach_m"] = _reach(case)
     facts["cone_px"] = _cone_px(case)
+    facts["horizon"] = horizon_of(case) if facts["reach_m"] else 0.0
     return facts
 
 
@@ -76,8 +75,8 @@ def _cone_px(case: Case) -> float:
     return worst
 
 
-def budget_of(facts: Mapping[str, Any]) -> Budget:
-    """The terms. Constant colours (emission, ambient, background) are exact but for their storage."""
+def budget_of(facts: Mapping[str, Any], largest: float) -> Budget:
+    """The terms; largest: the picture's largest radiance. Constant colours (emission, ambient, background) are exact but for their storage."""
     facets = facts["tessellation"]
     terms: list[Bound | Geometric] = [
         Geometric("pixel grid", "corners are moved to multiples of 1/256 pixel, cones are cut in single precision", film_px=SNAP_PX + facts["cone_px"])
@@ -96,6 +95,8 @@ def budget_of(facts: Mapping[str, Any]) -> Budget:
         )
         roundings = LIGHT_ROUNDINGS + facts["lights"] + COSINE_ROUNDINGS * facts["exponent"]
         terms.append(Bound("shader arithmetic", "rounding of each light's terms and of their sum", rel=roundings * U))
+    if facts["horizon"]:
+        terms.append(Bound("horizon", "rounding on the film, where depth changes fastest", abs=facts["horizon"] * largest))
     return Budget(tuple(terms))
 
 

@@ -61,7 +61,7 @@ def _surfaces(case: Case, index: int, obj: Object) -> Iterator[Hashable]:
         axis = np.subtract(obj.top, obj.base) / np.linalg.norm(np.subtract(obj.top, obj.base))
         foot = np.asarray(obj.base) - axis * (axis @ np.asarray(obj.base))
         yield ("cylinder", *_rounded([*_one_way(axis), *foot, obj.radius, *placed.ravel()], size))
-    points, normals = _flats(case, index, obj)
+    points, normals = flats(case, index, obj)
     if len(points) == 0:
         return
     points = points @ placed[:3, :3].T + (placed[:3, 3] - eye)
@@ -73,7 +73,7 @@ def _surfaces(case: Case, index: int, obj: Object) -> Iterator[Hashable]:
         yield ("flat", *_rounded([*(way * normal), way * offset], 1.0))
 
 
-def _flats(case: Case, index: int, obj: Object) -> tuple[Floats, Floats]:
+def flats(case: Case, index: int, obj: Object) -> tuple[Floats, Floats]:
     """A point and the normal of each flat face, in object space."""
     if isinstance(obj, Plane):
         return np.array([obj.point]), np.array([obj.normal])

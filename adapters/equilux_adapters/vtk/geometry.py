@@ -11,10 +11,12 @@ from equilux.adapter import Case
 from equilux_scenes.model import Box, Camera, Cylinder, Disc, Film, Mesh, Rectangle, Sphere
 from equilux_scenes.transforms import matrix
 
-from equilux_adapters.vtk.coincident import set_backs
+from equilux_adapters.vtk.coincident import flats, set_backs
 from equilux_adapters.vtk.drawing import build
+from equilux_adapters.vtk.kit import view as kit
 from equilux_adapters.vtk.kit.clip import in_frame
 from equilux_adapters.vtk.kit.depth import set_back
+from equilux_adapters.vtk.kit.facing import towards_eye
 from equilux_adapters.vtk.kit.round import Round, Scale, film_scale, sectors, sphere_division, sphere_scale
 from equilux_adapters.vtk.kit.shapes import cut_by_eye_plane, cylinder_division
 from equilux_adapters.vtk.kit.view import View, look_at, seen_from
@@ -22,9 +24,26 @@ from equilux_adapters.vtk.knobs import VtkKnobs
 
 Floats = npt.NDArray[np.float64]
 
-RIM_STRIPS = 2
+RIM_STRIPS = 4
 """This many strips on either side of where a round surface is seen edge-on are not covered by the bounds on normal and position, which
 grow without limit there, but by the film position: what a pixel shows there, the truth shows within the width of these strips."""
+
+
+U = 2.0**-24
+"""Half a unit in the last place of single precision."""
+
+SLIVER_PX = 1 / 16
+"""Triangles of smooth meshes that are thinner on the film are left to the film position: the edge of one is never farther than half of
+this from a pixel that shows it."""
+
+
+def film_rounding_px(film: Film) -> float:
+    """How far rounding displaces a corner on the film, and with it what is interpolated: 8 u of the film's size.
+
+    One u each for the corner's coordinates, for the matrix, for their product and for the way from the middle of the film to pixels; and four
+    for interpolating by planes that start in a corner of the film.
+    """
+    return 8 * U * max(film.width, film.height)
 
 
 def view_of(camera: Camera, film: Film) -> View:
@@ -38,7 +57,7 @@ def view_of(camera: Camera, film: Film) -> View:
 def geometry_of(case: Case, knobs: VtkKnobs) -> dict[str, Any]:
     """JSON: bounds on normal and position (metres) per object index (as text), and on the film position of silhouettes (pixels)."""
     view = view_of(case.scene.camera, case.scene.film)
-    bounds = {index: _bounds(view, obj, knobs.tessellation) for index, obj in enumerate(case.scene.objects)}
+    bounds = {index: _bounds(case, view, index, knobs) for index in range(len(case.scene.objects))}
     return {
         "normal": {str(index): normal for index, (normal, _, _) in bounds.items() if normal > 0},
         "position_m": {str(index): position for index, (_, position, _) in bounds.items() if position > 0},
@@ -46,9 +65,12 @@ def geometry_of(case: Case, knobs: VtkKnobs) -> dict[str, Any]:
     }
 
 
-def _bounds(view: View, obj: Any, segments: int) -> tuple[float, float, float]:
+def _bounds(case: Case, view: View, index: int, knobs: VtkKnobs) -> tuple[float, float, float]:
     """(normal, position in metres, film position in pixels) of one object."""
+    obj, segments = case.scene.objects[index], knobs.tessellation
     placed = matrix(obj) if obj.transform else None
+    if isinstance(obj, Mesh) and case.meshes[index].vertex_normals is not None:
+        return _smooth_mesh(view, towards_eye(view, build(case, index, view, knobs)), film_rounding_px(case.scene.film))
     if isinstance(obj, Sphere):
         return _sphere(view, obj, segments, placed)
     if isinstance(obj, Cylinder):
@@ -69,7 +91,8 @@ def _sphere(view: View, obj: Sphere, segments: int, placed: Floats | None) -> tu
     scale = sphere_scale(view, obj.center, obj.radius, placed)
     across = 2 * np.pi * np.sin(meridian.angles) / counts
     sees_back = cut_by_eye_plane(view, obj.center, obj.radius, placed) or meridian.rim == len(meridian.angles) - 1
-    normal, position = _facets(meridian, across, len(meridian.angles) - 1 if sees_back else meridian.rim)
+    last = len(meridian.angles) - 1 if sees_back else meridian.rim
+    normal, position = _facets(meridian, across, last, _rounding(view, obj.radius * scale.small))
     turn = 2 * np.pi * np.arange(64) / 64
     edge, inner = (
         np.asarray(obj.center)
@@ -83,7 +106,7 @@ def _sphere(view: View, obj: Sphere, segments: int, placed: Floats | None) -> tu
 def _cylinder(view: View, obj: Cylinder, segments: int, placed: Floats | None) -> tuple[float, float, float]:
     axes, half = cylinder_division(view, obj.base, obj.top, obj.radius, segments, placed)
     scale = film_scale(view, placed, np.stack([obj.base, obj.top]), obj.radius)
-    normal, position = _facets(half, np.zeros(len(half.angles)), len(half.angles) - 1)
+    normal, position = _facets(half, np.zeros(len(half.angles)), len(half.angles) - 1, _rounding(view, obj.radius * scale.small))
     base, top = np.asarray(obj.base), np.asarray(obj.top)
     along = base + np.linspace(0, 1, 33)[:, None] * (top - base)
     film = 0.0
@@ -105,7 +128,12 @@ def _with_gates(normal: float, position: float, film: float, radius: float, scal
     return normal * scale.stretch, position * _largest_factor(placed), film
 
 
-def _facets(division: Round, across: Floats, last: int) -> tuple[float, float]:
+def _rounding(view: View, radius_px: float) -> float:
+    """What rounding on the film does to a position on a round surface that is seen straight on, in radii."""
+    return 8 * U * max(view.width, view.height) / radius_px
+
+
+def _facets(division: Round, across: Floats, last: int, rounding: float) -> tuple[float, float]:
     """Largest error of the normal and of the position, unit radius, over the facets that the bounds cover: see `kit.round`."""
     k = np.arange(last)
     k = k[(k < division.rim - RIM_STRIPS) | (k >= division.rim + RIM_STRIPS)] if division.rim < len(division.angles) - 1 else k
@@ -113,7 +141,21 @@ def _facets(division: Round, across: Floats, last: int) -> tuple[float, float]:
         return 0.0, 0.0
     sagitta = (np.diff(division.angles)[k] ** 2 + np.maximum(across[k], across[k + 1]) ** 2) / 8
     steepness = np.maximum(division.steepness[k], division.steepness[k + 1])
-    return float(np.max(sagitta * steepness)), float(np.max(sagitta * np.sqrt(1 + steepness**2)))
+    slant = np.sqrt(1 + steepness**2)
+    return float(np.max(sagitta * steepness + rounding * slant)), float(np.max((sagitta + rounding) * slant))
+
+
+def _smooth_mesh(view: View, mesh: kit.Mesh, rounding_px: float) -> tuple[float, float, float]:
+    """Corners displaced on the film take their normals with them: how fast do normals change on the film?"""
+    x, y, depth = seen_from(view, mesh.points).T
+    over = np.where(depth > 0, 1.0 if view.parallel else depth, np.nan)
+    film = np.stack([x / over, y / over], axis=1)[mesh.triangles] * view.pixels_per_unit
+    normals = (mesh.normals / np.linalg.norm(mesh.normals, axis=1, keepdims=True))[mesh.triangles]
+    sides, turns = (np.linalg.norm(v - np.roll(v, 1, axis=1), axis=2).max(axis=1) for v in (film, normals))
+    u, v = film[:, 1] - film[:, 0], film[:, 2] - film[:, 0]
+    height = np.abs(u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]) / np.maximum(sides, 1e-300)
+    steepest = np.nanmax(turns / np.maximum(height, SLIVER_PX), initial=0.0)
+    return float(rounding_px * steepest), 0.0, SLIVER_PX / 2
 
 
 def _rim_angles(division: Round) -> tuple[float, float]:
@@ -193,3 +235,26 @@ def set_back_of(case: Case, knobs: VtkKnobs) -> dict[str, float]:
         for index, (before, after) in enumerate(zip(meshes, moved, strict=True))
         if steps[index]
     }
+
+
+def horizon_of(case: Case) -> float:
+    """Where a flat surface may be seen to its horizon: how far rounding on the film moves radiance there, as a share of the largest.
+
+    At d pixels from the horizon depth is off by ε/d of itself, ε being the rounding on the film, so radiance by 2 ε/d at most (inverse
+    square). Radiance falls off towards the horizon at least like d, where it depends on depth at all: 2 ε/D of the largest radiance is
+    enough at every d, D being the film's reach from the horizon.
+    """
+    camera, film = case.scene.camera, case.scene.film
+    if camera.projection != "perspective":
+        return 0.0
+    view, share = view_of(camera, film), 0.0
+    x, y = view.half_width, view.half_height
+    corners = view.forward + np.array([[x, y], [x, -y], [-x, y], [-x, -y]]) @ np.stack([view.right, view.up])
+    for index, obj in enumerate(case.scene.objects):
+        _, normals = flats(case, index, obj)
+        for normal in normals @ np.linalg.inv(matrix(obj)[:3, :3]):
+            side, slope = corners @ normal, np.hypot(normal @ view.right, normal @ view.up)
+            if np.min(side) < 0 < np.max(side):
+                reach_px = max(np.max(side), -np.min(side)) / slope * view.pixels_per_unit
+                share = max(share, 2 * film_rounding_px(film) / reach_px)
+    return float(share)

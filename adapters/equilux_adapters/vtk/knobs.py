@@ -10,7 +10,7 @@ class VtkKnobs(Knobs):
     """Settings of the VTK adapter."""
 
     tessellation: int = Field(
-        default=256,
+        default=192,
         ge=8,
         le=4096,
         description=(

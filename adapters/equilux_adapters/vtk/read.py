@@ -16,4 +16,5 @@ def read(raw: RawRender, program: Program, knobs: VtkKnobs) -> Reading:
         image = np.load(raw.files[IMAGE])
     except (OSError, ValueError) as error:
         raise RendererFailed(f"{IMAGE}: {error}") from error
-    return Reading(image, budget_of(program.data))
+    largest = float(np.max(np.abs(image), initial=0.0, where=np.isfinite(image)))
+    return Reading(image, budget_of(program.data, largest))

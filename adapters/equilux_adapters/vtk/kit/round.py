@@ -16,11 +16,11 @@ from equilux_adapters.vtk.kit.view import View
 
 Array = Any
 
-FACET_MIN_PX = 1 / 512
+FACET_MIN_PX = 1 / 256
 """Facets are not made narrower on the film: corners are moved to multiples of 1/256 pixel."""
 
 CHORD_PX = 1 / 64
-"""How far on the film a chord may stay off its circle, at 256 segments."""
+"""How far on the film a chord may stay off its circle, at 192 segments."""
 
 
 @dataclass(frozen=True)
@@ -105,13 +105,15 @@ def divide(distance: float, segments: int, radius: float, scale: Scale, largest:
     tan_i = steepness(angles)
     if distance > 1:
         tan_i[rim_index] = np.inf
-    inner = np.where(np.isinf(tan_i), np.roll(tan_i, 1), tan_i)
-    return Round(angles, rim_index, tan_i, np.maximum(wanted(inner), 2 * smallest))
+    # across as along: no finer where the width on the film limits the steps along
+    steps = np.diff(angles)
+    along = np.minimum(np.append(steps, np.inf), np.insert(steps, 0, np.inf))
+    return Round(angles, rim_index, tan_i, np.maximum(wanted(tan_i), along))
 
 
 def sectors(segments: int, radius: float, scale: Scale) -> int:
-    """How many equal chords keep within CHORD_PX of a circle; (256/segments)² times that at other settings."""
-    allowed = CHORD_PX * (256 / segments) ** 2
+    """How many equal chords keep within CHORD_PX of a circle; (192/segments)² times that at other settings."""
+    allowed = CHORD_PX * (192 / segments) ** 2
     return int(np.clip(np.ceil(np.pi * np.sqrt(radius * scale.large / 2 / allowed)), 8, 16 * segments))
 
 

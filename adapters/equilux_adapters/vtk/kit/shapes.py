@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from equilux_adapters.vtk.kit.clip import cut, in_octaves, only_used
+from equilux_adapters.vtk.kit.clip import only_inside
 from equilux_adapters.vtk.kit.facing import is_watertight
 from equilux_adapters.vtk.kit.round import Round, axes_towards, divide, eye_in_object, film_scale, sectors, sphere_division
-from equilux_adapters.vtk.kit.view import Mesh, View, place
+from equilux_adapters.vtk.kit.view import Mesh, View, mapped, place
 
 Array = Any
 
@@ -29,7 +29,7 @@ def sphere(view: View, center: Array, radius: float, segments: int, matrix: Arra
         start.append(total)
         total += len(turn)
     triangles = [strip(start[k], len(rings[k]), start[k + 1], len(rings[k + 1])) for k in range(last)]
-    directions = np.concatenate(rings) @ axes
+    directions = mapped(np.concatenate(rings), axes.T)
     return place(view, np.asarray(center, dtype=float) + radius * directions, directions, np.concatenate(triangles), matrix)
 
 
@@ -154,7 +154,7 @@ def mesh(view: View, vertices: Array, faces: Array, vertex_normals: Array | None
 def plane(view: View, point: Array, normal: Array, matrix: Array | None = None) -> Mesh:
     """The part of an infinite plane that the film can see, worked out on the film, where 1/depth is linear.
 
-    It ends a little beyond what the farthest pixel centre sees, short of the horizon, and is cut at depths 2^k (see `in_octaves`).
+    It ends a little beyond what the farthest pixel centre sees, short of the horizon.
     """
     point, normal = np.asarray(point, dtype=float), np.asarray(normal, dtype=float)
     if matrix is not None:
@@ -170,7 +170,7 @@ def plane(view: View, point: Array, normal: Array, matrix: Array | None = None) 
     if (along if view.parallel else height) == 0:  # seen edge-on: no ray meets it
         return Mesh(np.zeros((0, 3)), np.zeros((0, 3)), np.zeros((0, 3), dtype=int))
     if view.parallel:
-        film, triangles, _ = cut(film, triangles, (height - film @ across) / along)
+        film, triangles = only_inside(film, triangles, (height - film @ across) / along)
         depth = (height - film @ across) / along
         points = film @ np.stack([view.right, view.up]) + depth[:, None] * view.forward
         facing = along < 0
@@ -182,13 +182,12 @@ def plane(view: View, point: Array, normal: Array, matrix: Array | None = None) 
 
 
 def plane_to_horizon(view: View, film: Array, triangles: Array, slope: Array, offset: float) -> tuple[Array, Array, Array]:
-    """Cut the film where the plane's 1/depth = slope · film + offset falls below what any pixel centre sees, and at each octave."""
+    """Cut the film where the plane's 1/depth = slope · film + offset falls below what any pixel centre sees."""
     rows = (1 - (2 * np.arange(view.height) + 1) / view.height) * view.half_height
     columns = ((2 * np.arange(view.width) + 1) / view.width - 1) * view.half_width
     centres = columns[None, :] * slope[0] + rows[:, None] * slope[1] + offset
     least = np.min(centres, initial=np.inf, where=centres > 0)
-    film, triangles, _ = cut(film, triangles, film @ slope + offset - 0.99 * least)
-    film, triangles = in_octaves(*only_used(film, triangles), lambda film: film @ slope + offset)
+    film, triangles = only_inside(film, triangles, film @ slope + offset - 0.99 * least)
     return film, triangles, film @ slope + offset
 
 
