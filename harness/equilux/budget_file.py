@@ -7,6 +7,8 @@ import hashlib
 import io
 import json
 import math
+import zipfile
+import zlib
 from pathlib import Path
 from typing import Any
 
@@ -43,7 +45,7 @@ def load(path: Path) -> Budget:
         with np.load(path, allow_pickle=False) as arrays:
             terms = json.loads(arrays[TERMS].tobytes().decode())
             return Budget(tuple(_term_in(term, index, arrays) for index, term in enumerate(terms)))
-    except (OSError, ValueError, KeyError, TypeError, EOFError) as problem:
+    except (OSError, ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile, zlib.error) as problem:
         raise MalformedBudget(f"{path.name}: {problem}") from problem
 
 

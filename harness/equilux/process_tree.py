@@ -31,6 +31,8 @@ class Tree:
     def kill(self) -> None:
         """SIGKILL to all of them: the group at once, then whoever is outside it."""
         outsiders = {process.pid: process for process in descendants(self.root)} | self.members
+        with contextlib.suppress(psutil.NoSuchProcess):
+            outsiders[self.root] = psutil.Process(self.root)
         with contextlib.suppress(ProcessLookupError, PermissionError):  # the group is already gone; outsiders may not be
             os.killpg(self.root, signal.SIGKILL)
         for process in outsiders.values():

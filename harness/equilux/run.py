@@ -39,6 +39,7 @@ from equilux.results import (
 )
 from equilux.reuse import Store
 from equilux.tree import RUN_SCHEMA, Tree, write_json
+from equilux.workerstart import shared_nursery
 
 INTERRUPTED = 130
 
@@ -69,6 +70,8 @@ class Finished:
 def execute(plan: Plan, options: Options, progress: Progress | None = None) -> Finished:
     """Run what is planned. Raises BadUsage for a folder that cannot be used; every other fault is a status in the results."""
     progress = progress or Silent()
+    if any(render.action == RUN for render in plan.renders):
+        shared_nursery()  # it starts while we go on
     identity = plan.identity()
     with Tree.open(options.out, identity, keep=options.reuse) as tree:
         run = _Run(plan, options, progress, tree, identity)

@@ -1,8 +1,8 @@
-"""The process in which one adapter lives: `python -m equilux.worker NAME MODULE:OBJECT REQUEST_FD REPLY_FD`.
+"""The process in which one adapter lives; forked from the nursery.
 
 It translates, renders and reads one case after another. Whatever the adapter does to it (prints, exceptions, `sys.exit`, death)
-stays here: stdout and stderr go to the job's log, messages go over two private pipes that the adapter's own children never
-inherit, and when the engine is gone the worker ends its whole process group.
+stays here: stdout and stderr go to the job's log, and messages go over two private pipes that the adapter's own children never
+inherit.
 """
 
 from __future__ import annotations
@@ -13,10 +13,8 @@ import json
 import os
 import pickle
 import resource
-import select
 import signal
 import sys
-import threading
 import time
 import traceback
 from collections.abc import Mapping
@@ -51,15 +49,16 @@ class BadDelivery(Exception):
     """The adapter returned something that the protocol does not allow. The message says what, and what was expected."""
 
 
-def main(name: str, value: str, requests: int, replies: int) -> None:
-    """Serve jobs until the engine closes the request pipe."""
+def main(name: str, entry_point: str, requests: int, replies: int) -> None:
+    """Serve jobs until the engine closes the request pipe. The first message is the engine's environment and search path."""
     for fd in (requests, replies):
         os.set_inheritable(fd, False)
     _settle_process()
-    threading.Thread(target=_end_with_the_engine, args=(requests,), daemon=True).start()
-    search_path = json.loads(wire.receive(requests))
-    sys.path.extend(entry for entry in search_path if entry not in sys.path)
-    adapter = _load(name, value, replies)
+    surroundings = json.loads(wire.receive(requests))
+    os.environ.clear()
+    os.environ.update(surroundings["environment"])
+    sys.path.extend(entry for entry in surroundings["path"] if entry not in sys.path)
+    adapter = _load(name, entry_point, replies)
     if adapter is None:
         return
     _reply(replies, {"ready": name})
@@ -82,15 +81,6 @@ def _settle_process() -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     if sys.platform == "linux":
         ctypes.CDLL(None, use_errno=True).prctl(PR_SET_CHILD_SUBREAPER, 1, 0, 0, 0)
-
-
-def _end_with_the_engine(requests: int) -> None:
-    """Ends the whole group once the engine has gone: it may have been killed while a renderer of ours hangs."""
-    poll = select.poll()
-    poll.register(requests, 0)
-    poll.poll()
-    time.sleep(1.0)  # an idle worker ends by itself
-    os.killpg(0, signal.SIGKILL)
 
 
 def _load(name: str, value: str, replies: int) -> Adapter | None:
@@ -216,7 +206,3 @@ def describe_program(folder: Path, entry: str) -> dict[str, Any]:
         content = (folder / name).read_bytes()
         sha.update(f"{len(name.encode())} {len(content)} ".encode() + name.encode() + content)
     return {"entry": entry, "sha256": sha.hexdigest(), "files": names}
-
-
-if __name__ == "__main__":
-    main(sys.argv[1], sys.argv[2], int(sys.argv[3]), int(sys.argv[4]))

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import contextlib
 import json
 import os
 import pickle
-import subprocess
 import sys
 import time
 from dataclasses import fields, replace
@@ -16,9 +14,8 @@ from typing import Any
 from equilux import wire
 from equilux.job import LOG_FILE, Job, Outcome
 from equilux.process_tree import Tree, Watch
+from equilux.workerstart import START_TIMEOUT_S, CannotStart, shared_nursery
 
-START_TIMEOUT_S = 60.0
-"""For importing an adapter and its renderer's library on a busy machine; a render has its own limit."""
 GRACE_S = 2.0
 TIMEOUT_MARGIN_S = 1.0
 """An adapter that watches the limit itself gets this much longer, so that it can say what it waited for."""
@@ -32,10 +29,11 @@ class WorkerUnusable(Exception):
 class WorkerProcess:
     """One worker of one adapter. Not thread-safe, except `kill`."""
 
-    def __init__(self, adapter: str, value: str, watch: Watch, log: Path) -> None:
-        """Start the process; it loads the adapter while the caller goes on.
+    def __init__(self, adapter: str, entry_point: str, watch: Watch, log: Path) -> None:
+        """Start the process; it loads the adapter while the caller goes on. Raises WorkerUnusable.
 
-        value: the adapter's entry point, `module:object`. `log` takes what it prints before its first job."""
+        entry_point: where the adapter is, `module:object`. log: takes what is printed before the first job.
+        """
         self.adapter = adapter
         self._watch = watch
         self._log = log
@@ -44,16 +42,8 @@ class WorkerProcess:
         request_read, self._requests = os.pipe()
         self._replies, reply_write = os.pipe()
         try:
-            with log.open("wb") as output:
-                self._process = subprocess.Popen(
-                    [sys.executable, "-P", "-m", "equilux.worker", adapter, value, str(request_read), str(reply_write)],
-                    stdin=subprocess.DEVNULL,
-                    stdout=output,
-                    stderr=output,
-                    pass_fds=(request_read, reply_write),
-                    start_new_session=True,
-                )
-        except OSError as problem:
+            self._process = shared_nursery().start(adapter, entry_point, request_read, reply_write, log)
+        except (CannotStart, OSError) as problem:
             os.close(self._requests)
             os.close(self._replies)
             raise WorkerUnusable(f"the worker of '{adapter}' cannot be started: {problem}") from problem
@@ -66,7 +56,7 @@ class WorkerProcess:
 
     @property
     def alive(self) -> bool:
-        return self._process.poll() is None
+        return self._process.alive
 
     def wait_ready(self) -> None:
         """Wait until the adapter is loaded. Raises WorkerUnusable."""
@@ -74,7 +64,8 @@ class WorkerProcess:
             return
         deadline = time.monotonic() + START_TIMEOUT_S
         try:
-            wire.send(self._requests, json.dumps(sys.path).encode(), deadline)
+            surroundings = {"path": sys.path, "environment": dict(os.environ)}
+            wire.send(self._requests, json.dumps(surroundings).encode(), deadline)
             answer = self._receive(deadline)
         except wire.TookTooLong as problem:
             raise WorkerUnusable(
@@ -123,10 +114,9 @@ class WorkerProcess:
         """End the worker: politely when it is idle, then for good, with everything it started."""
         for fd in (self._requests, self._replies):
             os.close(fd)
-        with contextlib.suppress(subprocess.TimeoutExpired):  # killed next
-            self._process.wait(GRACE_S)
-        self.kill()
-        self._process.wait()
+        self._process.wait(GRACE_S)
+        self._put_down()
+        self._process.release()
 
     def kill(self, why: str | None = None) -> None:
         """End the worker and everything it started, at once. May be called from any thread."""
@@ -160,11 +150,12 @@ class WorkerProcess:
 
     def _ending(self) -> tuple[int, str]:
         """Exit status of the ended worker, and the same in words."""
-        try:
-            code = self._process.wait(GRACE_S)
-        except subprocess.TimeoutExpired:
+        if not self._process.wait(GRACE_S):
             self._put_down()  # it closed its pipe and lives on: as good as dead to us
             return 0, "it closed its reply pipe"
+        code = self._process.status
+        if code is None:
+            return 0, "the nursery is gone, and with it the knowledge of how"
         return code, (f"signal {-code}, {signal_name(-code)}" if code < 0 else f"exit status {code}")
 
     def _died(self) -> Outcome:

@@ -50,24 +50,25 @@ def entry(name: str, value: str | None = None, distribution: str = "fakes") -> E
 
 
 def registry(*names: str) -> Registry:
-    """A registry of fakes, the fake truths among them."""
-    return Registry(entry(name) for name in dict.fromkeys((*names, "oracle", "reference")))
+    """A registry of fakes, the fake oracle among them; the fake reference only where it is named (every worker takes its time)."""
+    return Registry(entry(name) for name in dict.fromkeys((*names, "oracle")))
 
 
 def planned(
-    names: Sequence[str], scenes: Sequence[SceneFile] | None = None, settings: Sequence[str] = (), *, named: bool = True, as_is: bool = False
-) -> plan.Plan:
+    names: Sequence[str], scenes: Sequence[SceneFile] | None = None, settings: Sequence[str] = (), *, named: bool = True,
+    as_is: bool = False,
+) -> plan.Plan:  # fmt: skip
     selection = plan.select_adapters(registry(*names), list(names) if named else None)
     cases = [case for found in (scenes or [scene()]) for case in found.cases]
     return plan.make_plan(cases, selection, knobs.resolve(settings, selection.entries), as_is=as_is)
 
 
 def run(
-    out: Path, *names: str, scenes: Sequence[SceneFile] | None = None, settings: Sequence[str] = (), named: bool = True, as_is: bool = False,
-    store: Path | None = None, reuse: bool = True, timeout_s: float = 20.0, memory_bytes: int = 8 << 30, jobs: int = 2,
+    out: Path, *names: str, scenes: Sequence[SceneFile] | None = None, settings: Sequence[str] = (), named: bool = True,
+    as_is: bool = False, store: Path | None = None, reuse: bool = True, timeout_s: float = 20.0, memory_bytes: int = 8 << 30, jobs: int = 2,
     fail_fast: bool = False, progress: Progress | None = None,
 ) -> Finished:  # fmt: skip
-    """One run with these fakes and the fake truths. Without a store nothing is remembered between runs."""
+    """One run with these fakes and the fake oracle. Without a store nothing is remembered between runs."""
     what = planned(names, scenes, settings, named=named, as_is=as_is)
     options = Options(out=out, jobs=jobs, limits=Limits(timeout_s, memory_bytes), reuse=reuse, fail_fast=fail_fast,
                       store=Store(store) if store is not None else None)  # fmt: skip
@@ -82,3 +83,9 @@ def only_case(finished: Finished) -> CaseRecord:
 def pair_of(case: CaseRecord, a: str, b: str) -> Any:
     (pair,) = [pair for pair in case.pairs if {pair.a, pair.b} == {a, b}]
     return pair
+
+
+def renders_made(state: Path, adapter: str) -> int:
+    """How often the fake renderer ran."""
+    marks = state / f"{adapter}.renders"
+    return len(marks.read_text()) if marks.exists() else 0

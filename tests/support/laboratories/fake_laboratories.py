@@ -1,6 +1,7 @@
 """Adapters that misbehave in every way the engine must survive, and a few that behave. No renderer behind any of them.
 
-The picture of the well-behaved ones is a ramp that depends on the film alone (`ramp`), so that whoever plays the truth agrees with them.
+The picture of the well-behaved ones is a ramp that depends on the film alone (`ramp`), so that whoever plays the truth agrees
+with them.
 """
 
 from __future__ import annotations
@@ -51,7 +52,7 @@ def ramp(width: int, height: int, dtype: Any = np.float32) -> np.ndarray:
 
 
 class FakeKnobs(Knobs):
-    level: int = Field(default=1, ge=0, le=9, description="brightens the picture by level − 1", json_schema_extra={"faster": "smaller"})
+    level: int = Field(default=1, ge=0, le=9, description="the picture is brighter by level − 1", json_schema_extra={"faster": 1})
 
 
 class Fake:
@@ -129,7 +130,8 @@ def _hang(workdir: Path, limits: Limits) -> None:
 def _spawn_and_hang(workdir: Path, limits: Limits) -> None:
     """Leaves three children: one in the group, one in a session of its own, one orphaned in a session of its own."""
     children = [subprocess.Popen(["sleep", "600"]), subprocess.Popen(["sleep", "600"], start_new_session=True)]
-    orphan = subprocess.run(["sh", "-c", "setsid sleep 600 >/dev/null 2>&1 & echo $!"], capture_output=True, check=True, text=True)
+    leave_an_orphan = "setsid sleep 600 >/dev/null 2>&1 & echo $!"
+    orphan = subprocess.run(["sh", "-c", leave_an_orphan], capture_output=True, check=True, text=True)
     pids = [child.pid for child in children] + [int(orphan.stdout)]
     (Path(os.environ[STATE]) / "children").write_text(" ".join(map(str, pids)))
     time.sleep(600)
