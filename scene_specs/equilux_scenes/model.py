@@ -216,7 +216,7 @@ class TransformStep(Part):
 class Shape(Part):
     """What every object has."""
 
-    material: Text
+    material: Annotated[str, Allowed("the name of one of the scene's materials")]
     """The name of one of the scene's materials."""
     transform: tuple[TransformStep, ...] = ()
     """Object → world."""
@@ -324,8 +324,8 @@ class Expectation(Part):
     """A known divergence, pinned both ways: a new one fails, a vanished one fails too."""
 
     adapter: Annotated[str, Field(min_length=1), Allowed("the name of an adapter")]
-    cause: Text
-    """A cause id."""
+    cause: Annotated[str, Allowed("a cause id")]
+    """A cause id: `equilux_scenes.causes`, or a third party's `name:cause`."""
     when: Annotated[str | Absent, Allowed("comparisons of sweep axes with numbers")] = None
     """For which cases: `exponent > 128 and size == 1`."""
 

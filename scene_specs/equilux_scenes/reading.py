@@ -19,7 +19,7 @@ from pydantic import ConfigDict, TypeAdapter, ValidationError
 from pydantic.fields import FieldInfo
 
 from equilux_scenes.checks import Context, Problem, checks_of
-from equilux_scenes.errors import SpecError, SpecErrors, hint, shortened
+from equilux_scenes.errors import SpecError, SpecErrors, hint, number_text, shortened
 from equilux_scenes.later import KINDS_OF_LATER_VERSIONS, TERMS_OF_LATER_VERSIONS
 from equilux_scenes.limits import exceeded
 from equilux_scenes.mesh import MeshError, TriangleMesh, triangle_areas
@@ -205,7 +205,7 @@ class Reader:
         tags = part.tags()
         given = node.entries.get(part.discriminator)
         if given is None:
-            self.error_at(node.place, f"missing key '{part.discriminator}' in {owner(path, None)}, allowed {', '.join(tags)}")
+            self._no_discriminator(part, node, path)
             return None
         if isinstance(given, ScalarNode) and isinstance(given.value, str) and given.value in tags:
             return tags[given.value]
@@ -214,6 +214,17 @@ class Reader:
             given.place, f"{part.discriminator} of {owner(path, None)}: got {shown(given)}, allowed {', '.join(tags)}{note}"
         )
         return None
+
+    def _no_discriminator(self, part: _PartOf, node: MapNode, path: Path) -> None:
+        """Without it no other key can be judged, but it may be there misspelt."""
+        assert part.discriminator is not None
+        known = {name for cls in part.classes for name in cls.model_fields}
+        what = owner(path, None)
+        for key, place in node.keys.items():
+            if key not in known and (meant := hint(key, [part.discriminator])):
+                self.error_at(place, f"unknown key '{shortened(key)}' in {what}{meant}")
+                return
+        self.error_at(node.place, f"missing key '{part.discriminator}' in {what}, allowed {', '.join(part.tags())}")
 
     def _fields(self, cls: type[Part], node: MapNode, path: Path) -> Any:
         self._unknown_keys(cls, node, path)
@@ -251,7 +262,7 @@ class Reader:
         default = field.get_default(call_default_factory=True)
         if only is None or value == default or self.context.model == only.model or self.context.model not in LIGHTING_MODELS:
             return True
-        words = f"only its default in a '{self.context.model}' scene"
+        words = f"only its default, {_default_words(default)}, in a '{self.context.model}' scene"
         self._not_allowed(node, path, words, f" (the model '{only.model}' has this term)")
         return False
 
@@ -347,6 +358,12 @@ def _allowed(annotation: Any, metadata: tuple[Any, ...]) -> Allowed:
         if get_origin(part) is Annotated:
             return _allowed(part.__origin__, part.__metadata__)
     return Allowed(f"{annotation}")
+
+
+def _default_words(default: Any) -> str:
+    """As one would write it: equal bands as one number."""
+    number = default[0] if isinstance(default, tuple) and len(set(default)) == 1 else default
+    return number_text(number) if isinstance(number, int | float) else str(number)
 
 
 def _words(annotation: Any) -> tuple[str, ...]:

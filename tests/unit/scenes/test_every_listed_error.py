@@ -180,7 +180,8 @@ VALUES = {
     "sweep of nothing": (
         "path: materials.clay.exponent",
         "path: «materials.clay.exponant",
-        "path of a sweep axis: got 'materials.clay.exponant', allowed one of diffuse, specular, exponent, ambient, emission, reflection, "
+        "path of a sweep axis: got 'materials.clay.exponant', allowed one of diffuse, specular, exponent, "
+        "ambient, emission, reflection, "
         "transmission, transparency, ior after 'materials.clay', not 'exponant' (did you mean 'exponent'?)",
     ),
     "unknown key": ("specular: 0.5", "«specullar: 0.5", "unknown key 'specullar' in material 'clay' (did you mean 'specular'?)"),
@@ -272,7 +273,8 @@ VALUES = {
     "step of two kinds": (
         "{scale: 2}",
         "«{scale: 2, translate: [0, 0, 1]}",
-        "transform step 0 of object 6: got {scale: 2, translate: [0, 0, 1]}, allowed exactly one of scale, rotate, translate, matrix",
+        "transform step 0 of object 6: got {scale: 2, translate: [0, 0, 1]}, "
+        "allowed exactly one of scale, rotate, translate, matrix",
     ),
     "step of no kind": (
         "{scale: 2}",
@@ -282,7 +284,8 @@ VALUES = {
     "matrix of three rows": (
         "{scale: 2}",
         "{matrix: «[[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0]]}",
-        "matrix of transform step 0 of object 6: got [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0]], allowed four rows of four numbers",
+        "matrix of transform step 0 of object 6: got [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0]], "
+        "allowed four rows of four numbers",
     ),
     "matrix row of three": (
         "{scale: 2}",
@@ -303,12 +306,14 @@ VALUES = {
     "transform that overflows": (
         "[{scale: 2}, {rotate",
         "«[{scale: 1e200}, {scale: 1e200}, {rotate",
-        "transform of object 6 (mesh): got [{scale: 1e200}, {scale: 1e200}, {rotate: {axis: [0, 1, 0],…, allowed steps whose product stays finite",
+        "transform of object 6 (mesh): got [{scale: 1e200}, {scale: 1e200}, {rotate: {axis: [0, 1, 0],…, "
+        "allowed steps whose product stays finite",
     ),
     "mesh of file and faces": (
         "  - kind: mesh\n",
         "  - «file: a.ply\n    kind: mesh\n",
-        "object 6 (mesh): got {file: 'a.ply', kind: 'mesh', normals: 'smooth', vertices: …, allowed either file or vertices and faces, not both",
+        "object 6 (mesh): got {file: 'a.ply', kind: 'mesh', normals: 'smooth', vertices: …, "
+        "allowed either file or vertices and faces, not both",
     ),
     "face out of range": ("faces: [[0, 1, 2]]", "faces: [[0, 1, «3]]", "faces[0][2] of object 6 (mesh): got 3, allowed 0 to 2"),
     "negative face": (
@@ -426,25 +431,33 @@ def test_a_missing_kind_is_reported_with_the_kinds_there_are(only_error: Only, e
     assert only_error(text) == "missing key 'kind' in light 'sun', allowed point, directional, spot"
 
 
+# term → (edit, where it stands, what is written, its default, the model that has it)
 FOREIGN = {
-    "reflection": ("emission: 0.01", "reflection: «[0.5, 0.5, 0.5]", "material 'clay'", "[0.5, 0.5, 0.5]", "raytraced"),
-    "transmission": ("emission: 0.01", "transmission: «0.5", "material 'clay'", "0.5", "raytraced"),
-    "transparency": ("emission: 0.01", "transparency: «0.5", "material 'clay'", "0.5", "raytraced"),
-    "ior": ("emission: 0.01", "ior: «1.5", "material 'clay'", "1.5", "raytraced"),
-    "recursion_limit": ("background: 0.25", "recursion_limit: «3", "the scene", "3", "raytraced"),
-    "transparent_shadows": ("background: 0.25", "transparent_shadows: «ignore", "the scene", "'ignore'", "raytraced"),
-    "viewer": ("background: 0.25", "viewer: «infinite", "the scene", "'infinite'", "opengl"),
-    "ambient": ("irradiance: 1", "irradiance: 1, ambient: «0.5", "light 'sun'", "0.5", "opengl"),
-    "diffuse": ("irradiance: 1", "irradiance: 1, diffuse: «[1, 1, 0.5]", "light 'sun'", "[1, 1, 0.5]", "opengl"),
-    "specular": ("intensity: 5", "intensity: 5, specular: «0", "light 'lamp'", "0", "opengl"),
+    "reflection": ("emission: 0.01", "reflection: «[0.5, 0.5, 0.5]", "material 'clay'", "[0.5, 0.5, 0.5]", "0", "raytraced"),
+    "transmission": ("emission: 0.01", "transmission: «0.5", "material 'clay'", "0.5", "0", "raytraced"),
+    "transparency": ("emission: 0.01", "transparency: «0.5", "material 'clay'", "0.5", "0", "raytraced"),
+    "ior": ("emission: 0.01", "ior: «1.5", "material 'clay'", "1.5", "1", "raytraced"),
+    "recursion_limit": ("background: 0.25", "recursion_limit: «3", "the scene", "3", "8", "raytraced"),
+    "transparent_shadows": (
+        "background: 0.25",
+        "transparent_shadows: «ignore",
+        "the scene",
+        "'ignore'",
+        "attenuate",
+        "raytraced",
+    ),
+    "viewer": ("background: 0.25", "viewer: «infinite", "the scene", "'infinite'", "local", "opengl"),
+    "ambient": ("irradiance: 1", "irradiance: 1, ambient: «0.5", "light 'sun'", "0.5", "0", "opengl"),
+    "diffuse": ("irradiance: 1", "irradiance: 1, diffuse: «[1, 1, 0.5]", "light 'sun'", "[1, 1, 0.5]", "1", "opengl"),
+    "specular": ("intensity: 5", "intensity: 5, specular: «0", "light 'lamp'", "0", "1", "opengl"),
 }
 
 
 @pytest.mark.parametrize("term", FOREIGN)
 def test_a_term_of_another_model_is_an_error_that_says_which_model_has_it(only_error: Only, edited: Edited, term: str) -> None:
-    old, new, part, got, model = FOREIGN[term]
-    expected = f"{term} of {part}: got {got}, allowed only its default in a 'phong' scene (the model '{model}' has this term)"
-    assert only_error(edited(old, new)) == expected
+    old, new, part, got, default, model = FOREIGN[term]
+    expected = f"{term} of {part}: got {got}, allowed only its default, {default}, in a 'phong' scene"
+    assert only_error(edited(old, new)) == f"{expected} (the model '{model}' has this term)"
 
 
 def test_terms_of_other_models_at_their_defaults_are_accepted(load: Callable[..., object], edited: Edited) -> None:

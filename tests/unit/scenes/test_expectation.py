@@ -26,7 +26,8 @@ def test_a_when_compares_axes_with_numbers_and_and_binds_tighter(text: str) -> N
 # text → offset of the error
 WRONG = {
     "": 0, "a": 1, "a >": 3, "a > b": 4, "1 < a": 0, "a < 1 < 2": 6, "a > 1 and": 9, "and a > 1": 0, "a > 1 or or b > 1": 9,
-    "a > 1, b > 2": 5, "(a > 1)": 0, "not a > 1": 4, "a > 1 && b > 2": 6, "a = 1": 2, "a > 0x10": 4, "a > 1_0": 4, "a > nan": 4, "a > 1e999": 4,
+    "a > 1, b > 2": 5, "(a > 1)": 0, "not a > 1": 4, "a > 1 && b > 2": 6, "a = 1": 2, "a > 0x10": 4, "a > 1_0": 4, "a > nan": 4,
+    "a > 1e999": 4,
     "a > 1 xor b > 1": 6, "__import__('os')": 10, "a.b > 1": 1, "a > 1 b > 2": 6, "a > --1": 4,
 }  # fmt: skip
 
@@ -40,7 +41,8 @@ def test_anything_else_is_an_error_at_its_place(text: str) -> None:
 
 def test_a_when_on_an_axis_that_is_not_of_numbers_is_refused(only_error: Callable[..., str], edited: Callable[..., str]) -> None:
     text = edited(
-        "exponent: {path: materials.clay.exponent, values: [1, 10, 100, 1000]}", "on: {path: objects.5.capped, values: [true, false]}",
+        "exponent: {path: materials.clay.exponent, values: [1, 10, 100, 1000]}",
+        "on: {path: objects.5.capped, values: [true, false]}",
         '"exponent > 128"', '"«on == 1"',
     )  # fmt: skip
     assert only_error(text) == "when of expectation 0: got axis 'on', allowed an axis whose values are all numbers (one is true)"
@@ -92,5 +94,6 @@ def test_the_comment_beside_an_expectation_can_be_seen(load: Callable[..., Any],
 
 
 def test_comments_belong_to_their_own_item(load: Callable[..., Any], valid: str) -> None:
-    items = "  - {adapter: a, cause: unexplained}  # of a\n  - {adapter: b, cause: unexplained}\n  # of c\n  - {adapter: c, cause: unexplained}\n"
+    a, b, c = (f"  - {{adapter: {name}, cause: unexplained}}" for name in "abc")
+    items = f"{a}  # of a\n{b}\n  # of c\n{c}\n"
     assert load(valid[: valid.index("expect:")] + "expect:\n" + items).expect_comments == ("of a", None, "of c")

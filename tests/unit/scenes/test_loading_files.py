@@ -7,7 +7,6 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-
 from equilux_scenes.loader import SpecErrors, corpus_folder, load_scene_file, load_scenes
 
 TRIANGLE_OBJ = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"
@@ -51,7 +50,7 @@ def test_what_cannot_be_read_is_one_located_error(tmp_path: Path) -> None:
 
 def test_bytes_that_are_not_utf_8_are_reported_at_their_place(tmp_path: Path) -> None:
     path = tmp_path / "latin.scene.yaml"
-    path.write_bytes("equilux: 1\nabout: gr".encode() + b"\xfc" + b"n\n")
+    path.write_bytes(b"equilux: 1\nabout: gr" + b"\xfc" + b"n\n")
     assert _errors(lambda: load_scene_file(path)) == [f"{path}:2:10: byte 0xfc, allowed UTF-8 text"]
 
 
@@ -136,8 +135,8 @@ def test_a_mesh_file_elsewhere_or_unreadable_is_refused(
     message = only_error(_with_mesh(valid, "«" + name), folder=folder)
     got = name.strip("'")
     assert (
-        message
-        == f"file of object 6 (mesh): got '{got}', allowed a .obj or .ply file in the scene's folder or below it ({OUTSIDE[name]})"
+        message == f"file of object 6 (mesh): got '{got}', allowed a .obj or .ply file in the scene's folder or below it "
+        f"({OUTSIDE[name]})"
     )
 
 

@@ -6,7 +6,6 @@ import struct
 
 import numpy as np
 import pytest
-
 from equilux_scenes.errors import SpecErrors
 from equilux_scenes.limits import Limits
 from equilux_scenes.mesh import TriangleMesh
@@ -111,7 +110,7 @@ def test_an_error_in_an_obj_file_is_located(name: str) -> None:
 @pytest.mark.parametrize("limit", ["vertices", "triangles"])
 def test_the_size_of_an_obj_mesh_is_bounded(limit: str) -> None:
     with pytest.raises(SpecErrors, match=rf"m\.obj:\d:1: {limit} of the mesh, got 2, allowed at most 1 \(limit '{limit}'"):
-        _obj(POSITIONS + "f 1 2 3 4\n", **{limit: 1} if limit == "triangles" else {limit: 1})
+        _obj(POSITIONS + "f 1 2 3 4\n", **{limit: 1})
 
 
 # --- PLY --------------------------------------------------------------------------------------------------------------
