@@ -111,9 +111,6 @@ class DD:
         correction = (self - DD(*_two_product(root, root))).hi / (2.0 * safe)
         return DD(*_quick_two_sum(root, np.where(root > 0.0, correction, 0.0)))
 
-    def abs(self) -> DD:
-        return where(self.hi < 0.0, -self, self)
-
     # The sign of a normalised double-double is the sign of its leading part.
     def __lt__(self, other: DD | Array | float) -> Bools:
         return (self - other).hi < 0.0

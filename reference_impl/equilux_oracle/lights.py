@@ -87,7 +87,8 @@ def spot_factor(cosine: DD, edge: DD, exponent: float) -> tuple[Array, Array]:
     """cos^e θ where cos θ ≥ edge, else 0; and a bound on its relative error in u.
 
     The cosine comes in double-double, because on the flank of a tight spot a relative error of it is multiplied by e. Rounded
-    to double it is off by u, its logarithm by 1 + 1/|ln c|, so the power by 1 + e (1 + 2 |ln c|) u or less.
+    to double it is off by u; its logarithm ln c by another u |ln c| and by the function's own rounding, 2 u |ln c|; near 1 the
+    logarithm is taken of the whole cosine, and nothing is lost by the rounding. All that times e, and 2 u for exp and product.
     """
     inside = cosine >= edge
     if exponent == 0.0:

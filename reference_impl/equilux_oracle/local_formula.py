@@ -8,9 +8,8 @@ double. Sums over lights are compensated, so that sixty-four lights cost no more
 The bound, with u = 2^-53, adds in first order (and a tenth more for the rest):
 - K_emit + K_amb L_amb: product and sum, 2 u of the sum;
 - diffuse of light i: E's own error e_i, N·L 9.5 absolute, two products: (e_i + 12) u E_i K_diff;
-- highlight of light i: e_i, two products, the power's own exp and log1p 4 (x exp(−x) ≤ 0.37 tames what p multiplies), and the
-  directions':
-  (e_i + 6 + 34 s(p)) u E_i K_spec, s(p) of highlight.py;
+- highlight of light i: e_i, two products, the power's own exp and log1p 4 (x exp(−x) ≤ 0.37 tames what p multiplies), and what
+  the directions are off: (e_i + 6 + 34 s(p)) u E_i K_spec, s(p) of highlight.py;
 - the last sum: u |L|.
 """
 
@@ -55,8 +54,11 @@ def surface(materials: list[Material], index: Array, ambient: tuple[float, float
 
 @dataclass
 class Shading:
-    """Radiance (3, n) being summed, with the running error of the sum; the bound so far, in u; and the scale Σ E_i (K_diff +
-    K_spec)."""
+    """What is being summed, (3, n).
+
+    total and lost: radiance, and what rounding has taken from the sum. bound: the error so far, in u. scale: K_emit +
+    K_amb L_amb + Σ E_i (K_diff + K_spec).
+    """
 
     total: Array
     lost: Array

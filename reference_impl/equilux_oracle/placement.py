@@ -39,10 +39,11 @@ class Placement:
         return rows[0] * normal[0] + rows[1] * normal[1] + rows[2] * normal[2]
 
     def sphere_to_world(self, center: Array, radius: float, eye: Array) -> tuple[Array, float]:
-        """A world sphere, relative to the eye, that holds the object-space sphere (in plain double: for culling, with margin)."""
-        if self.linear is None:
-            return center + self.translation - eye, radius
-        return self.linear @ center + self.translation - eye, radius * float(np.linalg.norm(self.linear, 2)) * (1 + 1e-9)
+        """A world sphere, relative to the eye, that holds the object-space one: in plain double, for culling, with a margin."""
+        linear = np.eye(3) if self.linear is None else self.linear
+        stretch = float(np.linalg.norm(linear, 2))
+        rounding = 1e-12 * float(stretch * np.linalg.norm(center) + np.linalg.norm(self.translation) + np.linalg.norm(eye))
+        return linear @ center + self.translation - eye, radius * stretch * (1 + 1e-9) + rounding
 
 
 def placement(matrix: Array, eye: tuple[float, float, float]) -> Placement:

@@ -12,8 +12,10 @@ from equilux_oracle.doubledouble import DD, Array, Bools, where
 
 @dataclass(frozen=True)
 class Crossing:
-    """For n rays: whether there is a crossing with t > 0, its parameter, and the outward normal there (object space, not unit,
-    (3, n))."""
+    """For n rays: whether there is a crossing with t > 0, its parameter, and the outward normal there.
+
+    The normal is in object space, not unit, (3, n). t and normal are arbitrary where there is no crossing.
+    """
 
     hit: Bools
     t: DD
