@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 from equilux.adapter import Case
-from equilux_scenes.model import Box, Camera, Cylinder, Disc, Film, Mesh, Rectangle, Sphere
+from equilux_scenes.model import Box, Camera, Cylinder, Disc, Film, Mesh, Rectangle, Sphere, SpotLight
 from equilux_scenes.transforms import matrix
 
 from equilux_adapters.vtk.coincident import flats, set_backs
@@ -58,10 +58,13 @@ def geometry_of(case: Case, knobs: VtkKnobs) -> dict[str, Any]:
     """JSON: bounds on normal and position (metres) per object index (as text), and on the film position of silhouettes (pixels)."""
     view = view_of(case.scene.camera, case.scene.film)
     bounds = {index: _bounds(case, view, index, knobs) for index in range(len(case.scene.objects))}
+    # an error of position moves the border of a cone by at most as much as it moves the point
+    spots = any(isinstance(light, SpotLight) for light in case.scene.lights.values())
+    cones = max((position * _pixels_per_metre(case, view, index) for index, (_, position, _) in bounds.items()), default=0.0) if spots else 0.0
     return {
         "normal": {str(index): normal for index, (normal, _, _) in bounds.items() if normal > 0},
         "position_m": {str(index): position for index, (_, position, _) in bounds.items() if position > 0},
-        "film_px": float(max((film for _, _, film in bounds.values()), default=0.0)),
+        "film_px": cones + float(max((film for _, _, film in bounds.values()), default=0.0)),
     }
 
 
@@ -79,6 +82,15 @@ def _bounds(case: Case, view: View, index: int, knobs: VtkKnobs) -> tuple[float,
         scale = film_scale(view, placed, np.asarray(obj.center), obj.radius)
         return 0.0, 0.0, _chord_px(2 * math.pi / sectors(segments, obj.radius, scale), obj.radius * scale.large)
     return 0.0, 0.0, 0.0
+
+
+def _pixels_per_metre(case: Case, view: View, index: int) -> float:
+    """On the film, where the object is nearest to the eye."""
+    points, around = _enclosure(case, index, case.scene.objects[index])
+    placed = matrix(case.scene.objects[index])
+    identity = np.eye(4)
+    world = points @ placed[:3, :3].T + placed[:3, 3]
+    return float(film_scale(view, identity, world, around * _largest_factor(placed)).large) if len(points) else 0.0
 
 
 def _chord_px(step: float, radius_px: float) -> float:
@@ -118,13 +130,14 @@ def _cylinder(view: View, obj: Cylinder, segments: int, placed: Floats | None) -
     return _with_gates(normal, position * obj.radius * _slant(view, axes[2], placed, along), film, obj.radius, scale, placed)
 
 
-def _with_gates(normal: float, position: float, film: float, radius: float, scale: Scale, placed: Floats | None) -> tuple[float, float, float]:
-    """Object space → world; and how far the terminator (N·L = 0) and the border of a light's cone are displaced on the film.
+def _with_gates(
+    normal: float, position: float, film: float, radius: float, scale: Scale, placed: Floats | None
+) -> tuple[float, float, float]:
+    """Object space → world; and how far the terminator, N·L = 0, is displaced on the film.
 
-    N turns by 1/radius per length, so an error of N moves the terminator by radius times as much; an error of position moves a cone's
-    border by at most as much as it moves the point.
+    N turns by 1/radius per length, so an error of N moves the terminator by radius times as much.
     """
-    film += (normal * radius + position) * scale.large
+    film += normal * radius * scale.large
     return normal * scale.stretch, position * _largest_factor(placed), film
 
 

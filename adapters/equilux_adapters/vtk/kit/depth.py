@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -42,5 +43,5 @@ def set_back(view: View, meshes: Sequence[Mesh], steps: Iterable[int]) -> list[M
         else:
             depth = seen_from(view, mesh.points)[:, 2:]
             points = mesh.points / np.maximum(1 - count * DEPTH_STEP * (1 / near - 1 / far) * depth, 0.5)
-        result.append(Mesh(points, mesh.normals, mesh.triangles) if count else mesh)
+        result.append(replace(mesh, points=points) if count else mesh)
     return result
