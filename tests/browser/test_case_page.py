@@ -45,14 +45,17 @@ def colour_at(page: Page, title: str, x: int, y: int, scale: int, case_x: int, c
     return r, g, b
 
 
-def inspected(view: Opened, selector: str) -> list[str]:
-    return view.page.locator(selector).all_inner_texts()
-
-
-def select(view: Opened, x: int, y: int) -> None:
+def inspect(view: Opened, x: int, y: int) -> dict[str, Any]:
+    """Type a pixel and read all that the inspector then says of it."""
     view.page.fill("input[name=x]", str(x))
     view.page.fill("input[name=y]", str(y))
-    view.page.wait_for_timeout(80)
+    script = """() => new Promise(done => requestAnimationFrame(() => requestAnimationFrame(() => done({
+        ...Object.fromEntries([...document.querySelectorAll('[data-value]')].map(cell => [cell.dataset.value, cell.textContent])),
+        ...Object.fromEntries([...document.querySelectorAll('[data-row]')].map(row =>
+            [row.dataset.row, [...row.querySelectorAll('td')].map(cell => cell.textContent)])),
+    }))))"""
+    shown: dict[str, Any] = view.page.evaluate(script)
+    return shown
 
 
 def as_float32(text: str) -> np.float32:
@@ -72,17 +75,15 @@ def test_inspector_shows_the_float32_values_of_the_files_exactly(tree: Path, ope
     planes = pair_exr(tree, case, pair)
     images = {name: exr(tree / "cases" / case / name / "image.exr") for name in ("oracle", "povray", "reference", "vtk")}
     for x, y in [(40, 30), (10, 50), (12, 50), (60, 60), (51, 28), (0, 0), (95, 71)]:
-        select(view, x, y)
+        shown = inspect(view, x, y)
         for name, image in images.items():
             for band, value in zip(BANDS, image[y, x], strict=True):
-                text = view.page.locator(f"[data-value='{name}.{band}']").inner_text()
+                text = shown[f"{name}.{band}"]
                 assert same(text, value), f"{name} {band} at ({x}, {y}): page {text}, file {value!r}"
         for row, offset in (("difference", 0), ("en", 3)):
-            for text, value in zip(inspected(view, f"[data-row={row}] td"), planes[y, x, offset : offset + 3], strict=True):
+            for text, value in zip(shown[row], planes[y, x, offset : offset + 3], strict=True):
                 assert same(text, value), f"{pair} {row} at ({x}, {y}): page {text}, file {value!r}"
-        assert (
-            view.page.locator("[data-row=class] td").inner_text() == ("agree", "diverge", "edge", "invalid")[int(planes[y, x, 6])]
-        )
+        assert shown["class"] == [("agree", "diverge", "edge", "invalid")[int(planes[y, x, 6])]]
 
 
 def test_bound_is_difference_over_normalised_error(tree: Path, opened: Opener) -> None:
