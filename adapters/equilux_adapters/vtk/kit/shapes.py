@@ -106,7 +106,7 @@ def disc(view: View, center: Array, normal: Array, radius: float, segments: int,
     rim = np.asarray(center, dtype=float) + radius * (np.cos(turn)[:, None] * axes[0] + np.sin(turn)[:, None] * axes[1])
     j = np.arange(count)
     triangles = np.stack([np.full(count, count), j, (j + 1) % count], axis=1)
-    return place(view, np.concatenate([rim, [center]]), np.tile(axes[2], (count + 1, 1)), triangles, matrix)
+    return place(view, np.concatenate([rim, [center]]), np.tile(axes[2], (count + 1, 1)), triangles, matrix, flat=True)
 
 
 def rectangle(view: View, corner: Array, edge_u: Array, edge_v: Array, matrix: Array | None = None) -> Mesh:
@@ -114,7 +114,7 @@ def rectangle(view: View, corner: Array, edge_u: Array, edge_v: Array, matrix: A
     corner, edge_u, edge_v = (np.asarray(x, dtype=float) for x in (corner, edge_u, edge_v))
     points = np.stack([corner, corner + edge_u, corner + edge_u + edge_v, corner + edge_v])
     normal = np.cross(edge_u / np.linalg.norm(edge_u), edge_v / np.linalg.norm(edge_v))
-    return place(view, points, np.tile(normal, (4, 1)), np.array([[0, 1, 2], [0, 2, 3]]), matrix)
+    return place(view, points, np.tile(normal, (4, 1)), np.array([[0, 1, 2], [0, 2, 3]]), matrix, flat=True)
 
 
 def box(view: View, low: Array, high: Array, matrix: Array | None = None) -> Mesh:
@@ -132,7 +132,7 @@ def box(view: View, low: Array, high: Array, matrix: Array | None = None) -> Mes
                 normals.append(np.eye(3)[axis] * (2 * side - 1))
             face = np.array([[0, 1, 2], [0, 2, 3]]) + start
             triangles.append(face if side else face[:, ::-1])
-    return place(view, np.stack(points), np.stack(normals), np.concatenate(triangles), matrix, closed=True)
+    return place(view, np.stack(points), np.stack(normals), np.concatenate(triangles), matrix, closed=True, flat=True)
 
 
 def mesh(view: View, vertices: Array, faces: Array, vertex_normals: Array | None = None, matrix: Array | None = None) -> Mesh:
@@ -144,7 +144,7 @@ def mesh(view: View, vertices: Array, faces: Array, vertex_normals: Array | None
     faces, across = faces[area > 0], across[area > 0] / area[area > 0, None]
     if vertex_normals is None:
         own = np.arange(3 * len(faces)).reshape(-1, 3)
-        return place(view, vertices[faces].reshape(-1, 3), np.repeat(across, 3, axis=0), own, matrix, closed)
+        return place(view, vertices[faces].reshape(-1, 3), np.repeat(across, 3, axis=0), own, matrix, closed, flat=True)
     # normals are turned to the eye with their triangle: one wound against its normals is wound anew, and then encloses nothing
     against = np.einsum("ijk,ik->ij", vertex_normals[faces], across).sum(axis=1) < 0
     faces = np.where(against[:, None], faces[:, ::-1], faces)
@@ -178,16 +178,16 @@ def plane(view: View, point: Array, normal: Array, matrix: Array | None = None) 
         film, triangles, nearness = plane_to_horizon(view, film, triangles, across / height, along / height)
         points = (view.forward + film @ np.stack([view.right, view.up])) / nearness[:, None]
         facing = height < 0
-    return Mesh(points, np.tile(normal, (len(points), 1)), triangles if facing else triangles[:, ::-1])
+    return Mesh(points, np.tile(normal, (len(points), 1)), triangles if facing else triangles[:, ::-1], flat=True)
 
 
 def plane_to_horizon(view: View, film: Array, triangles: Array, slope: Array, offset: float) -> tuple[Array, Array, Array]:
-    """Cut the film where the plane's 1/depth = slope · film + offset falls below what any pixel centre sees."""
+    """Cut the film where the plane's 1/depth = slope · film + offset falls well below what any pixel centre sees."""
     rows = (1 - (2 * np.arange(view.height) + 1) / view.height) * view.half_height
     columns = ((2 * np.arange(view.width) + 1) / view.width - 1) * view.half_width
     centres = columns[None, :] * slope[0] + rows[:, None] * slope[1] + offset
     least = np.min(centres, initial=np.inf, where=centres > 0)
-    film, triangles = only_inside(film, triangles, film @ slope + offset - 0.99 * least)
+    film, triangles = only_inside(film, triangles, film @ slope + offset - least / 16)
     return film, triangles, film @ slope + offset
 
 

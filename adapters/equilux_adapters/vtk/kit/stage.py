@@ -72,10 +72,12 @@ def actor(mesh: Mesh, surface: vtkProperty) -> vtkActor:
     data, points, cells = vtkPolyData(), vtkPoints(), vtkCellArray()
     points.SetData(numpy_to_vtk(np.ascontiguousarray(mesh.points, dtype=np.float32), deep=True))
     cells.SetData(3, numpy_to_vtkIdTypeArray(np.ascontiguousarray(mesh.triangles.ravel(), dtype=np.int64), deep=True))
-    normals = numpy_to_vtk(np.ascontiguousarray(mesh.normals, dtype=np.float32), deep=True)
     data.SetPoints(points)
     data.SetPolys(cells)
-    data.GetPointData().SetNormals(normals)
+    # one normal per triangle where it is flat: what is interpolated loses digits on surfaces that reach far into the depth
+    normals = mesh.normals[mesh.triangles[:, 0]] if mesh.flat else mesh.normals
+    attributes = data.GetCellData() if mesh.flat else data.GetPointData()
+    attributes.SetNormals(numpy_to_vtk(np.ascontiguousarray(normals, dtype=np.float32), deep=True))
     mapper = vtkPolyDataMapper()
     mapper.SetVBOShiftScaleMethod(0)  # coordinates are relative to the eye already; a shift of VTK's own loses digits near it
     mapper.SetInputData(data)

@@ -15,13 +15,15 @@ class Mesh:
     """Triangles in coordinates relative to the eye (world axes, metres), double precision.
 
     points: (n, 3). normals: (n, 3), outward, not of unit length in general. triangles: (m, 3), counter-clockwise seen from outside.
-    closed: the triangles enclose a volume, so that from outside only their fronts are seen.
+    closed: the triangles enclose a volume, so that from outside only their fronts are seen. flat: the corners of every triangle have its
+    normal.
     """
 
     points: Array
     normals: Array
     triangles: Array
     closed: bool = False
+    flat: bool = False
 
 
 @dataclass(frozen=True)
@@ -70,7 +72,13 @@ def seen_from(view: View, points: Array) -> Array:
 
 
 def place(
-    view: View, points: Array, normals: Array, triangles: Array, matrix: Array | None = None, closed: bool = False
+    view: View,
+    points: Array,
+    normals: Array,
+    triangles: Array,
+    matrix: Array | None = None,
+    closed: bool = False,
+    flat: bool = False,
 ) -> Mesh:
     """Object space → relative to the eye, in double, so that a scene far from the origin keeps its digits in float32 later.
 
@@ -78,7 +86,7 @@ def place(
     interpolating before and after the transform is the same. A mirroring matrix turns the winding, which must agree with the normals.
     """
     if matrix is None:
-        return Mesh(points - view.eye, normals, triangles, closed)
+        return Mesh(points - view.eye, normals, triangles, closed, flat)
     matrix = np.asarray(matrix, dtype=float)
     linear, shift = matrix[:3, :3], matrix[:3, 3]
     inverse = np.linalg.inv(linear)
@@ -86,4 +94,4 @@ def place(
         triangles = triangles[:, ::-1]
     # the scale of normals is free: keep it near 1, float32 has to hold it
     normals = mapped(normals, inverse.T) * np.cbrt(abs(np.linalg.det(linear)))
-    return Mesh(mapped(points, linear) + (shift - view.eye), normals, triangles, closed)
+    return Mesh(mapped(points, linear) + (shift - view.eye), normals, triangles, closed, flat)
