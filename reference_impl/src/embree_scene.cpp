@@ -1,13 +1,13 @@
 // The Embree scene of a world: one user geometry for all analytic shapes, one per mesh, in boxes that rounding to float cannot beat.
 #include <algorithm>
+#include <limits>
+#include <string>
 
 #include "placement.h"
+#include "search.h"
 #include "shapes/dispatch.h"
 
 namespace equilux {
-
-void intersect_objects(const RTCIntersectFunctionNArguments* args);  // search.cpp
-void intersect_mesh(const RTCIntersectFunctionNArguments* args);
 
 namespace {
 

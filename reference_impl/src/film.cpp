@@ -5,6 +5,7 @@
 #include <condition_variable>
 #include <exception>
 #include <mutex>
+#include <system_error>
 #include <thread>
 #include <vector>
 
@@ -47,7 +48,13 @@ bool for_each_chunk(std::size_t count, int threads, const Cancel* cancel, const 
                     const std::function<void(std::size_t, std::size_t)>& work) {
   const std::size_t chunks = (count + chunk_size - 1) / chunk_size;
   const std::size_t cores = threads > 0 ? static_cast<std::size_t>(threads) : std::max(1u, std::thread::hardware_concurrency());
-  const std::size_t workers = std::max<std::size_t>(1, std::min(cores, chunks));
+  const std::size_t workers = std::min(cores, chunks);
+  const auto stopped = [cancel] { return cancel != nullptr && cancel->cancelled(); };
+
+  if (chunks <= 1) {  // a handful of samples is done before a thread would have started
+    if (!stopped() && count > 0) work(0, count);
+    return !stopped();
+  }
 
   Pool pool;
   pool.running = static_cast<int>(workers);
@@ -81,7 +88,7 @@ bool for_each_chunk(std::size_t count, int threads, const Cancel* cancel, const 
   }
   for (std::thread& thread : crew) thread.join();
   if (pool.failure) std::rethrow_exception(pool.failure);
-  return !interrupt && !(cancel != nullptr && cancel->cancelled());
+  return !interrupt && !stopped();
 }
 
 }  // namespace equilux

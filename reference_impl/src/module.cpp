@@ -152,16 +152,9 @@ void trace_sensitivity(const World& world, const std::optional<ConstDoubles>& fi
   finish(complete);
 }
 
-}  // namespace
-}  // namespace equilux
+// --- the module -------------------------------------------------------------------------------------------------------
 
-NB_MODULE(_tracer, m) {
-  using namespace equilux;
-  m.doc() = "The exact Phong tracer of equilux: Embree finds candidates, double and double-double decide and shade.";
-  m.attr("embree_version") = RTC_VERSION_STRING;
-  nb::exception<TracerError>(m, "TracerError", PyExc_ValueError);
-  nb::exception<Cancelled>(m, "Cancelled", PyExc_RuntimeError);
-
+void bind_kinds(nb::module_& m) {
   nb::enum_<Projection>(m, "Projection").value("perspective", Projection::perspective).value("orthographic", Projection::orthographic);
   nb::enum_<LightKind>(m, "LightKind")
       .value("point", LightKind::point)
@@ -175,12 +168,9 @@ NB_MODULE(_tracer, m) {
       .value("rectangle", ShapeKind::rectangle)
       .value("cylinder", ShapeKind::cylinder)
       .value("mesh", ShapeKind::mesh);
+}
 
-  nb::class_<Cancel>(m, "Cancel", "Stops a render from another thread: pass it as `cancel`, then call `cancel()`.")
-      .def(nb::init<>())
-      .def("cancel", &Cancel::cancel, "Ask to stop; the render raises Cancelled soon after.")
-      .def_prop_ro("cancelled", &Cancel::cancelled);
-
+void bind_description(nb::module_& m) {
   nb::class_<SceneDescription>(m, "SceneDescription", "The scene as plain numbers, world coordinates, SI units.")
       .def(nb::init<>())
       .def(
@@ -227,6 +217,13 @@ NB_MODULE(_tracer, m) {
       .def("add_object", &add_object, nb::kw_only(), nb::arg("kind"), nb::arg("material"), nb::arg("matrix"),
            nb::arg("a") = Triple{}, nb::arg("b") = Triple{}, nb::arg("c") = Triple{}, nb::arg("radius") = 0.0,
            nb::arg("capped") = true, nb::arg("mesh") = -1);
+}
+
+void bind_world(nb::module_& m) {
+  nb::class_<Cancel>(m, "Cancel", "Stops a render from another thread: pass it as `cancel`, then call `cancel()`.")
+      .def(nb::init<>())
+      .def("cancel", &Cancel::cancel, "Ask to stop; the render raises Cancelled soon after.")
+      .def_prop_ro("cancelled", &Cancel::cancelled);
 
   nb::class_<World>(m, "World", "A scene prepared for tracing; read-only, any number of threads may trace it.")
       .def(
@@ -239,4 +236,18 @@ NB_MODULE(_tracer, m) {
       .def("trace", &trace, nb::kw_only(), nb::arg("film_xy").none(), nb::arg("arrays"), nb::arg("threads"), nb::arg("cancel").none())
       .def("sensitivity", &trace_sensitivity, nb::kw_only(), nb::arg("film_xy").none(), nb::arg("normal"), nb::arg("position_m"),
            nb::arg("result"), nb::arg("threads"), nb::arg("cancel").none());
+}
+
+}  // namespace
+}  // namespace equilux
+
+NB_MODULE(_tracer, m) {
+  using namespace equilux;
+  m.doc() = "The exact Phong tracer of equilux: Embree finds candidates, double and double-double decide and shade.";
+  m.attr("embree_version") = RTC_VERSION_STRING;
+  nb::exception<TracerError>(m, "TracerError", PyExc_ValueError);
+  nb::exception<Cancelled>(m, "Cancelled", PyExc_RuntimeError);
+  bind_kinds(m);
+  bind_description(m);
+  bind_world(m);
 }

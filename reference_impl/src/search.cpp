@@ -1,6 +1,7 @@
 #include "search.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "shapes/dispatch.h"
 

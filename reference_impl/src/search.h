@@ -2,6 +2,7 @@
 // double-double wherever rounding could tip the decision.
 #pragma once
 
+#include <limits>
 #include <vector>
 
 #include "world.h"
@@ -48,9 +49,13 @@ void find_candidates(Search& search);
 // The winner: nearest, ties to the first object in file order. False: the ray misses everything.
 bool nearest_crossing(Search& search, Candidate& winner);
 
-// Called back by Embree for one primitive.
+// One object or triangle against the ray.
 void try_object(Search& search, int object);
 void try_triangle(Search& search, int mesh, std::uint32_t triangle);
+
+// Embree calls these back for a primitive whose box the ray meets. User data: the World, or the MeshObject.
+void intersect_objects(const RTCIntersectFunctionNArguments* args);
+void intersect_mesh(const RTCIntersectFunctionNArguments* args);
 
 // s of a candidate in double-double; the candidate's own where rounding let the double see a crossing that is not there.
 DoubleDouble exact_depth(const World& world, const FilmRay& ray, const Candidate& candidate);

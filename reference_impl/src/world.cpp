@@ -67,7 +67,6 @@ void World::place_object(int index) {
   check_placement(index, placement);
   object.to_canonical_linear = inverse(placement.linear);
   if (object.solid == Solid::mesh) {
-    object.mesh = static_cast<int>(meshes.size());
     place_mesh(index, placement);
     return;
   }

@@ -17,7 +17,6 @@ enum class Solid { sphere, plane, box, disc, rectangle, cylinder_capped, cylinde
 struct Object {
   Solid solid = Solid::sphere;
   int material = 0;
-  int mesh = -1;                              // index into World::meshes
   Matrix3<DoubleDouble> to_canonical_linear;  // inverse of the placement's linear part; its transpose carries normals to the world
   RayFrame<DoubleDouble> exact;
   RayFrame<double> rounded;

@@ -66,6 +66,17 @@ def rays(case: Case, film_xy: Array) -> tuple[Array, Array]:
     return eye + sideways, np.broadcast_to(forward, sideways.shape)
 
 
+def film_positions_of(case: Case, points: Array) -> Array:
+    """Where world points (n, 3) in front of a perspective camera appear on its film, pixels, (n, 2)."""
+    camera, film = case.scene.camera, case.scene.film
+    forward = _unit(np.subtract(camera.target, camera.eye))
+    right = _unit(np.cross(forward, camera.up))
+    up = np.cross(right, forward)
+    v = points - np.array(camera.eye)
+    scale = film.height / 2 / np.tan(np.radians(camera.fov_y_deg) / 2) / (v @ forward)
+    return np.stack([film.width / 2 + scale * (v @ right), film.height / 2 - scale * (v @ up)], axis=1)
+
+
 def turned(normal: Array, side: Array) -> Array:
     """The normal, or its opposite, whichever is on that side."""
     return np.where(_dot(normal, side) < 0, -normal, normal)

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from equilux_scenes.mesh import TriangleMesh
 from equilux_tracer import Tracer, TracerError
+from support.plain_phong import film_positions_of
 
 MESH = {"kind": "mesh", "vertices": [[0, 0, 0], [1, 0, 0], [0, 1, 0]], "faces": [[0, 1, 2]]}  # its arrays are replaced
 PYRAMID = TriangleMesh(
@@ -34,20 +35,6 @@ def closed_ball(around: int, along: int, wobble: float = 0.0) -> TriangleMesh:
     last = len(points) - 1
     faces += [(last, last - around + (k + 1) % around, last - around + k) for k in range(around)]
     return TriangleMesh(points, np.array(faces))
-
-
-def film_positions_of(case, points):
-    """Where world points appear on the film of a perspective camera, rounded to double like everything else."""
-    camera, film = case.scene.camera, case.scene.film
-    forward = np.subtract(camera.target, camera.eye)
-    forward = forward / np.linalg.norm(forward)
-    right = np.cross(forward, camera.up)
-    right /= np.linalg.norm(right)
-    up = np.cross(right, forward)
-    v = points - np.array(camera.eye)
-    depth = v @ forward
-    scale = film.height / 2 / math.tan(math.radians(camera.fov_y_deg) / 2)
-    return np.stack([film.width / 2 + scale * (v @ right) / depth, film.height / 2 - scale * (v @ up) / depth], axis=1)
 
 
 @pytest.mark.parametrize("eye", [[0, 0, 4], [0, 0, -4], [3, 0.7, 0], [0.123, -2.1, 1.3], [0, 0, 0], [0.1, 0.2, -0.3]])

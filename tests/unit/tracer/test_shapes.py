@@ -7,7 +7,9 @@ import math
 import numpy as np
 import pytest
 from equilux_scenes.mesh import TriangleMesh
+from equilux_scenes.transforms import matrix
 from equilux_tracer import Tracer
+from support.plain_phong import film_positions_of
 
 SPHERE = {"kind": "sphere", "center": [0, 0, 0], "radius": 2}
 BOX = {"kind": "box", "min": [-1, -2, -3], "max": [1, 2, 3]}
@@ -150,6 +152,30 @@ def test_two_cards_that_share_an_edge_leave_no_crack(make_case):
     camera = {"projection": "perspective", "eye": [1 / 3, 0, 3], "target": [1 / 3, 0, 0], "fov_y_deg": 20}
     ids = Tracer(make_case(left, right, camera=camera, film={"width": 21, "height": 21})).render(["object_id"])["object_id"]
     assert (ids >= 0).all(), f"{np.count_nonzero(ids < 0)} pixels see through"
+
+
+def test_no_ray_along_the_common_edge_of_two_turned_cards_sees_through(make_case):
+    # the edge is common exactly, in the same frame; the rays miss it by their own rounding, on either side
+    left = {"kind": "rectangle", "corner": [-2, -2, 0], "edge_u": [2.25, 0, 0], "edge_v": [0, 4, 0], "transform": ROTATED}
+    right = {"kind": "rectangle", "corner": [0.25, -2, 0], "edge_u": [1.5, 0, 0.5], "edge_v": [0, 4, 0], "transform": ROTATED}
+    camera = {"projection": "perspective", "eye": [0.3, 0.7, 6], "target": [0, 0, 0], "fov_y_deg": 40}
+    case = make_case(left, right, camera=camera, film={"width": 100, "height": 100})
+    along = np.stack([np.full(2000, 0.25), np.linspace(-1.9, 1.9, 2000), np.zeros(2000), np.ones(2000)], axis=1)
+    points = (along @ matrix(case.scene.objects[0]).T)[:, :3]
+    ids = Tracer(case).evaluate(film_positions_of(case, points), ["object_id"])["object_id"]
+    assert set(ids) == {0, 1}, f"{np.count_nonzero(ids < 0)} of {ids.size} rays see through"
+
+
+@pytest.mark.parametrize("scale", [1.0, 0.1, 1e6])
+def test_an_eye_on_a_sphere_does_not_see_the_spot_it_is_on(make_case, scale):
+    # (1, 2, 2) has length 3 exactly; outward nothing, inward the far side
+    ball = {"kind": "sphere", "center": [0, 0, 0], "radius": 3, "transform": [{"scale": scale}]}
+    eye = [scale * c for c in (1, 2, 2)]
+    cameras = [{"projection": "perspective", "eye": eye, "target": [f * c for c in eye], "fov_y_deg": 60} for f in (2, 0)]
+    film = {"width": 40, "height": 40}
+    outward, inward = (Tracer(make_case(ball, camera=camera, film=film)).render(["depth"])["depth"] for camera in cameras)
+    assert (outward == np.inf).all(), f"{np.isfinite(outward).sum()} rays meet the sphere at the eye"
+    assert inward.min() > 4 * scale, f"nearest crossing at {inward.min()}"
 
 
 def test_the_eye_may_be_inside_any_solid(make_case):
