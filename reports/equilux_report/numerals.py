@@ -5,6 +5,7 @@ never a percentage that hides a pixel.
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 
 NARROW = "\u202f"
 """Narrow no-break space: between groups of digits, and between a number and its unit."""
@@ -52,6 +53,16 @@ def percent(part: int, whole: int) -> str:
     if share > 99.99:
         return f">99.99{NARROW}%"
     return f"{share:.2f}{NARROW}%" if share < 99 else f"{share:.3g}{NARROW}%"
+
+
+def term(value: object) -> str:
+    """A value of a budget's term: a number, or numbers by object as their range."""
+    if isinstance(value, Mapping):
+        several = [float(number) for number in value.values() if isinstance(number, int | float)]
+        if several:
+            low, high = magnitude(min(several)), magnitude(max(several))
+            return f"{low if low == high else f'{low} to {high}'} on {plural(len(several), 'object')}"
+    return magnitude(float(value)) if isinstance(value, int | float) else str(value)
 
 
 def seconds(value: float | None) -> str:

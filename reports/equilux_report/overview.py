@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import json
 import math
+import re
 from collections import Counter
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
@@ -62,6 +64,8 @@ class Row:
     case: CaseRecord
     href: str
     label: str
+    detail: str
+    """What stands behind an axis value that is not a number."""
     truth_picture: str | None
     cells: tuple[Cell, ...]
     peers: tuple[Cell, ...]
@@ -117,6 +121,8 @@ class Attention:
     case: str
     href: str
     words: str
+    picture: str | None = None
+    """Where it diverges."""
 
 
 @dataclass
@@ -154,10 +160,11 @@ class Overview:
     @property
     def headline(self) -> tuple[str, str]:
         """Kind and words of the run's verdict."""
-        bad = []
+        bad: list[str] = []
         unexpected = Counter(cell.adapter for row in self.rows for cell in row.cells if cell.judged == "diverge_unexpected")
         for adapter, cases in unexpected.most_common():
-            bad.append(f"{adapter} diverges unexpectedly in {numerals.plural(cases, 'case')}")
+            verb = "" if bad else " diverges unexpectedly"
+            bad.append(f"{adapter}{verb} in {numerals.plural(cases, 'case')}")
         if gone := self.judged["improved"]:
             verb = "shows" if gone == 1 else "show"
             bad.append(f"{numerals.plural(gone, 'pinned divergence')} no longer {verb}")
@@ -209,18 +216,23 @@ def _group(scene: str, rows: list[Row]) -> Group:
 
 def _row(case: CaseRecord, adapters: tuple[str, ...], links: Links, thumbnails: Thumbnails) -> Row:
     axes = mapping(case.facts, "axes")
-    label = (
-        ", ".join(f"{axis} = {_axis_value(value)}" for axis, value in axes.items())
-        or case.name.partition("[")[2].rstrip("]")
-        or case.name
-    )
+    values = [f"{axis} = {_axis_value(case.name, axis, value)}" for axis, value in axes.items()]
+    label = ", ".join(values) or case.name.partition("[")[2].rstrip("]") or case.name
+    detail = "; ".join(json.dumps(value) for value in axes.values() if not _is_number(value))
     cells = tuple(_cell(case, adapter, links, thumbnails) for adapter in adapters)
     peers = tuple(_pair_cell(case, pair, links, thumbnails) for pair in case.pairs if case.truth not in (pair.a, pair.b))
-    return Row(case, links.case(case.name), label, thumbnails(case.name, case.truth) if case.truth else None, cells, peers)
+    picture = thumbnails(case.name, case.truth) if case.truth else None
+    return Row(case, links.case(case.name), label, detail, picture, cells, peers)
 
 
-def _axis_value(value: Any) -> str:
-    return numerals.shortest(value) if isinstance(value, int | float) and not isinstance(value, bool) else str(value)
+def _is_number(value: Any) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool)
+
+
+def _axis_value(name: str, axis: str, value: Any) -> str:
+    """A number as it is; anything else by its place in the sweep (`#0`), as the case's name has it."""
+    place = re.search(rf"[\[,]{re.escape(axis)}=(#\d+)[\],]", name)
+    return numerals.shortest(value) if _is_number(value) else place[1] if place else json.dumps(value)
 
 
 def _cell(case: CaseRecord, adapter: str, links: Links, thumbnails: Thumbnails) -> Cell:
@@ -278,7 +290,7 @@ def _pair_cell(case: CaseRecord, pair: Pair, links: Links, thumbnails: Thumbnail
 def _attention(run: Run, cells: list[tuple[CaseRecord, Cell]], links: Links) -> Iterator[Attention]:
     for case, cell in sorted(cells, key=lambda item: -(item[1].en or 0)):
         if cell.judged in ("diverge_unexpected", "improved"):
-            yield Attention(cell.judged, case.name, cell.href, cell.words)
+            yield Attention(cell.judged, case.name, cell.href, cell.words, cell.heat)
     for case in run.cases:
         for render in case.renders.values():
             if render.status in FAILED:

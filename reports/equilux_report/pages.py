@@ -37,6 +37,7 @@ class Pages:
             "seconds": numerals.seconds,
             "size": numerals.size,
             "plural": numerals.plural,
+            "term": numerals.term,
             "describe": describe,
         }
         self.environment.globals |= {

@@ -6,7 +6,7 @@ eq.float32Text = (value) => {
   if (Object.is(value, -0)) return "-0";
   for (let digits = 1; digits < 10; digits += 1) {
     const text = value.toPrecision(digits);
-    if (Math.fround(Number(text)) === value) return String(Number(text));
+    if (Math.fround(Number(text)) === value) return Math.abs(value) < 1e-4 ? Number(text).toExponential() : String(Number(text));
   }
   return String(value);
 };

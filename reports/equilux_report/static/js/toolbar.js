@@ -34,7 +34,7 @@ eq.Toolbar = class {
     for (const name of ["a", "b", "map", "band", "wipe", "mode", "ev", "ds"]) form.elements[name].value = state[name];
     if (pairs.length) form.elements.pair.value = state.pair;
     form.elements.cls.checked = state.cls;
-    form.elements["ev-out"].value = `${state.ev > 0 ? "+" : ""}${eq.short(state.ev)}, white ${eq.short(2 ** -state.ev)}`;
+    form.elements["ev-out"].value = `${state.ev > 0 ? "+" : ""}${Number(state.ev.toFixed(2))}, white ${eq.short(2 ** -state.ev)}`;
     form.elements["ds-out"].value = this.viewer.scale ? `± ${eq.short(this.viewer.scale)}` : "–";
     form.elements["zoom-out"].value = view.zoom === null ? "fit" : `×${view.zoom}`;
     form.dataset.mode = state.mode;
