@@ -144,7 +144,11 @@ class RendererTimedOut(RendererFailed):
 @runtime_checkable
 class Adapter(Protocol):
     """One renderer. Instances are stateless as far as the engine can tell; long-lived renderer state belongs to the worker
-    process."""
+    process.
+
+    Optional, because most need it not: `code_packages`, a tuple of names of packages outside the adapter's own that have a part in
+    its pictures. When a file of the adapter's package, or of one of these, changes, no render made before is reused.
+    """
 
     name: str
     api_version: int

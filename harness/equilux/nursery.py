@@ -36,27 +36,37 @@ def main(control: socket.socket) -> None:
     signal.set_wakeup_fd(wake_write, warn_on_full_buffer=False)
     signal.signal(signal.SIGCHLD, lambda *_: None)  # only the wake-up matters
     children: set[int] = set()
-    control.send(json.dumps({"ready": True}).encode())
-    while True:
-        ready, _, _ = select.select([control.fileno(), wake_read], [], [])
-        if wake_read in ready:
-            os.read(wake_read, 4096)
-        if control.fileno() in ready:
-            packet, descriptors, _, _ = socket.recv_fds(control, MAX_PACKET, 3)
-            if not packet:
-                _end_all(children)
+    try:
+        control.send(json.dumps({"ready": True}).encode())
+        while True:
+            ready, _, _ = select.select([control.fileno(), wake_read], [], [])
+            if wake_read in ready:
+                os.read(wake_read, 4096)
+            if control.fileno() in ready and not _serve(control, children, (control.fileno(), wake_read, wake_write)):
                 return
-            message = json.loads(packet)
-            if "release" in message:
-                _reap(message["release"])
-            else:
-                pid = _start(message, descriptors, (control.fileno(), wake_read, wake_write))
-                children.add(pid)
-                control.send(json.dumps({"started": message["start"], "pid": pid}).encode())
-        for pid in list(children):
-            if (status := _ended(pid)) is not None:
-                children.discard(pid)
-                control.send(json.dumps({"ended": pid, "status": status}).encode())
+            for pid in list(children):
+                if (status := _ended(pid)) is not None:
+                    children.discard(pid)
+                    control.send(json.dumps({"ended": pid, "status": status}).encode())
+    except ConnectionError:
+        return  # the engine was killed
+    finally:
+        _end_all(children)
+
+
+def _serve(control: socket.socket, children: set[int], ours: tuple[int, ...]) -> bool:
+    """Do what one packet asks. False when the engine has closed its end."""
+    packet, descriptors, _, _ = socket.recv_fds(control, MAX_PACKET, 3)
+    if not packet:
+        return False
+    message = json.loads(packet)
+    if "release" in message:
+        _reap(message["release"])
+    else:
+        pid = _start(message, descriptors, ours)
+        children.add(pid)
+        control.send(json.dumps({"started": message["start"], "pid": pid}).encode())
+    return True
 
 
 def _start(message: dict[str, Any], descriptors: list[int], ours: tuple[int, ...]) -> int:

@@ -13,6 +13,7 @@ from equilux.complaint import BadUsage
 
 def report(
     run: Path,
+    /,
     *,
     single_file: Annotated[bool, Parameter(negative="")] = False,
     out: Path | None = None,

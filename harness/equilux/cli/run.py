@@ -89,8 +89,10 @@ def run(
         sys.stderr.write(f"added {' and '.join(planned.added)}: there is always a truth to judge against\n")
     if plan:
         return _show_plan(planned, as_json=json)
+    from equilux.run import INTERRUPTED
+
     finished = _execute(planned, out, jobs, timeout, memory, reuse=reuse, fail_fast=fail_fast, flip=flip)
-    page = _report(out) if html else None
+    page = _report(out) if html and finished.exit_code != INTERRUPTED else None
     return _tell(finished, out, page, as_json=json)
 
 

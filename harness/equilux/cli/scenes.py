@@ -56,7 +56,7 @@ def list_(*scenes: Path, json: Json = False, limit: Limit = ()) -> int:
     return 0
 
 
-def show(scene: str, *, json: Json = False, limit: Limit = ()) -> int:
+def show(scene: str, /, *, json: Json = False, limit: Limit = ()) -> int:
     """Show a scene with every default filled in, and the features it requires.
 
     Parameters
