@@ -1,6 +1,7 @@
 """Comparing two renders of one case: classes, normalised error, statistics and verdict (comparison.md).
 
-The normalised error E_n = (L_a − L_b)/B is that of interlaboratory comparisons (ISO 13528:2022, 9.7); |E_n| ≤ 1 agrees.
+The normalised error E_n = (L_a − L_b)/B is that of interlaboratory comparisons (ISO 13528:2022, 9.7), |E_n| ≤ 1 agrees; but in
+the place of two expanded uncertainties added in quadrature stand hard bounds, which add, and only what was sampled is squared.
 """
 
 from __future__ import annotations
