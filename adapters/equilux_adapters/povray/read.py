@@ -48,12 +48,12 @@ def _terms(facts: Any, used: npt.NDArray[np.float64]) -> Iterator[Term]:
 
 
 def _arithmetic(facts: Any) -> Bound:
-    """Colours are float32 (Q5). Every partial sum is positive, so relative errors of its parts and of each addition add up:
+    """Colours are float32 (Q5). Every partial sum is positive, so the relative errors of its parts and of its additions add up.
 
-    the light's colour (1) and its attenuation (1), pigment (1), finish (1), their products (2), weights of layers (2), Exposure
-    times what glows (1), encoding to 16 bits (2); and one rounding per light added. phong_size in float32 turns s = (R·V)^p into
-    s^(1 + 2⁻²⁴): |ln s| roundings, at most 10 where s ≥ e⁻¹⁰, and below that 10 e⁻¹⁰ of the brightest highlight.
+    A light's colour (1) and its attenuation (1), pigment (1), finish (1), their products (2), the encoding to 16 bits (2); the
+    weights of layers (2); ambient light or Exposure times what glows (1); one addition per light. phong_size in float32, if that
+    rounds, turns s = (R·V)^p into s^(1 + 2⁻²⁴): |ln s| roundings, at most 10 where s ≥ e⁻¹⁰, below that 10 e⁻¹⁰ of the brightest.
     """
-    roundings = 11 + facts["sources"] + 10 * bool(facts["highlight"])
+    roundings = 8 + 2 * facts["layered"] + facts["glowing"] + facts["sources"] + 10 * bool(facts["rounded_highlight"])
     return Bound("float32-colours", "POV-Ray computes colours in float32 (Q5)", rel=roundings * FLOAT32,
-                 abs=10 * float(np.exp(-10.0)) * FLOAT32 * facts["highlight"])
+                 abs=10 * float(np.exp(-10.0)) * FLOAT32 * facts["rounded_highlight"])

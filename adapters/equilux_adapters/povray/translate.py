@@ -116,26 +116,28 @@ def _settings(case: Case, knobs: PovrayKnobs) -> str:
 def _facts(case: Case, frame: Frame, lights: list[Lamp], materials: Mapping[str, Coefficients]) -> dict[str, Any]:
     """What the exposures and the budget are derived from; all bounds are over the whole picture."""
     scene = case.scene
-    ceiling, albedo = max(scene.background), 0.0
-    arithmetic = 0.0
+    ceiling, strength, rounded_highlight = max(scene.background), 0.0, 0.0
     for index, obj in enumerate(scene.objects):
         m = materials[obj.material]
         glow = max(e + a * light for e, a, light in zip(m.emission, m.ambient, scene.ambient, strict=True))
-        strength = max(d + s for d, s in zip(m.diffuse, m.specular, strict=True))
+        reflecting = max(d + s for d, s in zip(m.diffuse, m.specular, strict=True))
         arriving = sum(lamp.irradiance[index] for lamp in lights)
-        ceiling = max(ceiling, glow + arriving * strength)
-        albedo = max(albedo, strength)
-        arithmetic = max(arithmetic, arriving * max(m.specular))
+        ceiling, strength = max(ceiling, glow + arriving * reflecting), max(strength, reflecting)
+        if float(np.float32(m.exponent)) != m.exponent:
+            rounded_highlight = max(rounded_highlight, arriving * max(m.specular))
+    used = [materials[name] for name in {obj.material for obj in scene.objects}]
     meshes = {str(index): vars(mesh_accuracy(mesh, matrix(scene.objects[index]))) for index, mesh in case.meshes.items()}
     return {
         "width": scene.film.width,
         "height": scene.film.height,
         "ceiling": float(ceiling),
-        "strength": float(albedo),
-        "highlight": float(arithmetic),
+        "strength": float(strength),
+        "rounded_highlight": float(rounded_highlight),
+        "layered": any(texture(m).layered for m in used),
+        "glowing": any(any(m.ambient) or any(m.emission) for m in used),
         "sources": sum(lamp.sources for lamp in lights),
         "fading": max([lamp.relative for lamp in lights], default=0.0),
-        "cancelled": float(np.sum([lamp.cancelled for lamp in lights]) * albedo),
+        "cancelled": float(np.sum([lamp.cancelled for lamp in lights]) * strength),
         "film_px": frame.film_px,
         "meshes": meshes,
     }
