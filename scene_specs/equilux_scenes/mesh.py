@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import math
 from dataclasses import dataclass
 from typing import Literal
 
@@ -69,7 +70,7 @@ def shaded(mesh: TriangleMesh, normals: Literal["flat", "smooth"]) -> TriangleMe
 
 
 def triangle_areas(mesh: TriangleMesh) -> Floats:
-    """(m,) float64, in units of the mesh's largest coordinate squared, rounded up to a power of two: never lost to underflow."""
+    """(m,) float64, in units of the largest coordinate, rounded down to a power of two, squared: never lost to underflow."""
     areas: Floats = np.linalg.norm(_crosses(mesh), axis=1) / 2
     return areas
 
@@ -80,9 +81,8 @@ def summed_normals(mesh: TriangleMesh) -> tuple[Floats, Floats]:
     areas = np.linalg.norm(crosses, axis=1) / 2
     summed = np.zeros_like(mesh.vertices)
     weight = np.zeros(len(mesh.vertices))
-    scale = _scale(mesh)
     for corner in range(3):
-        u, v = _edge(mesh, corner, (corner + 1) % 3) / scale, _edge(mesh, corner, (corner + 2) % 3) / scale
+        u, v = _edge(mesh, corner, (corner + 1) % 3), _edge(mesh, corner, (corner + 2) % 3)
         # atan2 of |u × v| and u · v: accurate for slivers, where the arc cosine is not
         angles = np.arctan2(2 * areas, np.einsum("ij,ij->i", u, v))
         np.add.at(summed, mesh.faces[:, corner], crosses / 2 * angles[:, None])
@@ -90,21 +90,20 @@ def summed_normals(mesh: TriangleMesh) -> tuple[Floats, Floats]:
     return summed, weight
 
 
-def _scale(mesh: TriangleMesh) -> float:
-    """A length to divide edges by, so that products of tiny or huge coordinates neither vanish nor overflow."""
-    largest = float(np.abs(mesh.vertices).max(initial=0.0))
-    return 2.0 ** np.frexp(largest)[1] if largest > 0 else 1.0
-
-
 def _edge(mesh: TriangleMesh, a: int, b: int) -> Floats:
-    edge: Floats = mesh.vertices[mesh.faces[:, b]] - mesh.vertices[mesh.faces[:, a]]
+    """(m, 3) from corner a to corner b of each triangle, the largest coordinate of the mesh scaled to 1 … 2.
+
+    So products of tiny or huge coordinates neither vanish nor overflow; a power of two, so nothing is rounded.
+    """
+    largest = float(np.abs(mesh.vertices).max(initial=0.0))
+    scale = math.ldexp(1.0, math.frexp(largest)[1] - 1) if largest > 0 else 1.0
+    edge: Floats = mesh.vertices[mesh.faces[:, b]] / scale - mesh.vertices[mesh.faces[:, a]] / scale
     return edge
 
 
 def _crosses(mesh: TriangleMesh) -> Floats:
-    """(m, 3) edge × edge, in units of the mesh's scale squared."""
-    scale = _scale(mesh)
-    crosses: Floats = np.cross(_edge(mesh, 0, 1) / scale, _edge(mesh, 0, 2) / scale)
+    """(m, 3) edge × edge, scaled as edges are."""
+    crosses: Floats = np.cross(_edge(mesh, 0, 1), _edge(mesh, 0, 2))
     return crosses
 
 

@@ -17,6 +17,7 @@ from equilux_scenes.values import (
     Bands,
     Count,
     Direction,
+    Directions,
     Factors,
     Fraction,
     Matrix4,
@@ -302,7 +303,7 @@ class Mesh(Shape):
     """Metres."""
     faces: Triangles | Absent = None
     """Triangles as vertex numbers, counted from 0."""
-    vertex_normals: Points | Absent = None
+    vertex_normals: Directions | Absent = None
     """One direction per vertex."""
 
 

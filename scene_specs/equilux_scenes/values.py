@@ -108,6 +108,11 @@ Points = Annotated[
     BeforeValidator(_as_tuple),
     Allowed("a list of points, three numbers each", ("three numbers", "a finite number")),
 ]
+Directions = Annotated[
+    tuple[Direction, ...],
+    BeforeValidator(_as_tuple),
+    Allowed("a list of directions, three numbers each", ("three numbers, not all 0", "a finite number")),
+]
 Index = Annotated[int, Field(ge=0)]
 Triangles = Annotated[
     tuple[Annotated[tuple[Index, Index, Index], BeforeValidator(_as_tuple)], ...],

@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 from equilux_scenes.limits import Limits
-from equilux_scenes.loader import SceneFile, SpecError, SpecErrors, load_scene_text
+from equilux_scenes.loader import SceneFile, SpecError, SpecErrors, corpus_folder, load_scene_text, load_scenes
 
 MARK = "«"
 
@@ -56,6 +56,12 @@ expect:
 def valid() -> str:
     """The text of a spec that loads and has every kind of part."""
     return VALID
+
+
+@pytest.fixture(scope="session")
+def corpus() -> list[SceneFile]:
+    """Every scene that is shipped; read once, as that takes a second."""
+    return load_scenes([corpus_folder()])
 
 
 @pytest.fixture(scope="session")

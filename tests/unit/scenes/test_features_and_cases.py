@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from equilux_scenes.causes import CAUSES, is_known
 from equilux_scenes.features import FEATURES, required_features
-from equilux_scenes.loader import corpus_folder, load_scenes
+from equilux_scenes.loader import SceneFile
 
 Load = Callable[..., Any]
 Edited = Callable[..., str]
@@ -81,8 +81,8 @@ def test_features_of_a_case_follow_its_axes(load: Load) -> None:
     assert ["material.diffuse" in case.requires for case in cases] == [False, True]
 
 
-def test_every_feature_of_the_corpus_is_described() -> None:
-    for file in load_scenes([corpus_folder()]):
+def test_every_feature_of_the_corpus_is_described(corpus: list[SceneFile]) -> None:
+    for file in corpus:
         for case in file.cases:
             assert set(case.requires) <= set(FEATURES), case.name
             assert list(case.requires) == sorted(case.requires)
@@ -100,8 +100,8 @@ def test_a_case_survives_pickling(load: Load, valid: str) -> None:
         assert np.array_equal(again.meshes[6].vertex_normals, case.meshes[6].vertex_normals)
 
 
-def test_the_typed_scene_is_one_that_pydantic_accepts_unchanged(load: Load, valid: str) -> None:
-    for scene in [load(valid).scene, *(case.scene for file in load_scenes([corpus_folder()]) for case in file.cases[:1])]:
+def test_the_typed_scene_is_one_that_pydantic_accepts_unchanged(load: Load, valid: str, corpus: list[SceneFile]) -> None:
+    for scene in [load(valid).scene, *(case.scene for file in corpus for case in file.cases[:1])]:
         assert type(scene).model_validate(scene.model_dump()) == scene
 
 

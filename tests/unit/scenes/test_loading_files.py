@@ -7,7 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from equilux_scenes.loader import SpecErrors, corpus_folder, load_scene_file, load_scenes
+from equilux_scenes.loader import SceneFile, SpecErrors, load_scene_file, load_scenes
 
 TRIANGLE_OBJ = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"
 
@@ -92,10 +92,9 @@ def test_a_folder_without_scenes_is_an_error(tmp_path: Path) -> None:
     ]
 
 
-def test_every_scene_of_the_corpus_loads() -> None:
-    files = load_scenes([corpus_folder()])
-    assert len(files) >= 36
-    assert [warning for file in files for warning in file.warnings] == []
+def test_every_scene_of_the_corpus_loads_without_a_warning(corpus: list[SceneFile]) -> None:
+    assert len(corpus) >= 36, len(corpus)
+    assert [warning for file in corpus for warning in file.warnings] == []
 
 
 # --- mesh files -------------------------------------------------------------------------------------------------------

@@ -44,7 +44,7 @@ def test_normals_are_weighted_by_area_and_angle() -> None:
     assert np.abs(mesh.vertex_normals[0] - weighted / np.linalg.norm(weighted)).max() < 1e-15, mesh.vertex_normals[0]
 
 
-@pytest.mark.parametrize("scale", [1e-200, 1e-9, 1.0, 1e9, 1e150])
+@pytest.mark.parametrize("scale", [5e-324, 1e-200, 1e-9, 1.0, 1e9, 1e150, 1.7e308])
 def test_normals_do_not_depend_on_the_size_of_the_mesh(scale: float) -> None:
     mesh = shaded(TriangleMesh(CUBE * scale, CUBE_FACES), "smooth")
     reference = shaded(TriangleMesh(CUBE, CUBE_FACES), "smooth")
