@@ -28,7 +28,8 @@ def sphere(view: View, center: Array, radius: float, segments: int, matrix: Arra
         rings.append(np.stack([s * np.cos(turn), s * np.sin(turn), np.full(len(turn), c)], axis=1))
         start.append(total)
         total += len(turn)
-    triangles = [strip(start[k], len(rings[k]), start[k + 1], len(rings[k + 1])) for k in range(last)]
+    # the strip behind the rim would stand out in front of the rim's own where corners move on the film: it is left out
+    triangles = [strip(start[k], len(rings[k]), start[k + 1], len(rings[k + 1])) for k in range(last) if k != meridian.rim]
     directions = mapped(np.concatenate(rings), axes.T)
     return place(view, np.asarray(center, dtype=float) + radius * directions, directions, np.concatenate(triangles), matrix)
 
@@ -85,6 +86,8 @@ def cylinder(
     radial = np.cos(turn)[:, None] * axes[0] + np.sin(turn)[:, None] * axes[1]
     low, high = (np.asarray(end, dtype=float) + radius * radial for end in (base, top))
     j = np.arange(count)
+    if not capped and half.rim < len(half.angles) - 1:  # see `sphere`
+        j = j[(j != half.rim) & (j != count - half.rim - 1)]
     following = (j + 1) % count
     points, normals = [low, high], [radial, radial]
     triangles = [np.stack([j, following, count + following], axis=1), np.stack([j, count + following, count + j], axis=1)]
@@ -187,7 +190,10 @@ def plane_to_horizon(view: View, film: Array, triangles: Array, slope: Array, of
     columns = ((2 * np.arange(view.width) + 1) / view.width - 1) * view.half_width
     centres = columns[None, :] * slope[0] + rows[:, None] * slope[1] + offset
     least = np.min(centres, initial=np.inf, where=centres > 0)
-    film, triangles = only_inside(film, triangles, film @ slope + offset - least / 16)
+    grid = np.linalg.norm(slope) / view.pixels_per_unit / 256
+    # as near to the horizon as does not reach beyond it when corners move on the film
+    end = min(0.9 * least, max(least / 16, grid))
+    film, triangles = only_inside(film, triangles, film @ slope + offset - end)
     return film, triangles, film @ slope + offset
 
 
