@@ -23,6 +23,9 @@ from equilux_report.tree import Run, read_run
 MARKER = "equilux-report.json"
 """Lies in every report folder: only a folder with it (or an empty one) is ever replaced."""
 
+SCRATCH = ".scratch-report-"
+"""Start of the names of folders in the making: a run that continues the tree clears away what a killed build left."""
+
 
 def build(run: Path, *, out: Path | None = None, single_file: bool = False, case_filter: str | None = None) -> Path:
     """Build the report of the results tree `run` and return its index.html.
@@ -112,11 +115,11 @@ def _replaceable(out: Path) -> bool:
 def _replacing(out: Path) -> Iterator[Path]:
     """A new folder beside `out` that takes its place when the block ends well, and vanishes when it does not."""
     out.parent.mkdir(parents=True, exist_ok=True)
-    new = Path(tempfile.mkdtemp(prefix=f".{out.name}-new-", dir=out.parent))
+    new = Path(tempfile.mkdtemp(prefix=f"{SCRATCH}new-", dir=out.parent))
     os.chmod(new, 0o777 & ~_umask())
     try:
         yield new
-        old = Path(tempfile.mkdtemp(prefix=f".{out.name}-old-", dir=out.parent))
+        old = Path(tempfile.mkdtemp(prefix=f"{SCRATCH}old-", dir=out.parent))
         if out.exists():
             out.rename(old / "report")
         new.rename(out)

@@ -53,7 +53,8 @@ class RenderView:
     total_s: float | None
     terms: tuple[Facts, ...]
     files: tuple[ProgramFile, ...]
-    invalid: str
+    image: Facts
+    """Size, type and invalid values of the picture."""
 
     @property
     def label(self) -> str:
@@ -139,7 +140,7 @@ def _render_view(render: Render) -> RenderView:
         sum(value for _, value in phases) if phases else None,
         tuple(objects(mapping(render.facts, "uncertainty"), "terms")),
         tuple(program_files(render)),
-        words.invalid_kinds(mapping(render.facts, "image")),
+        {key: value for key, value in mapping(render.facts, "image").items() if key != "digest"},
     )
 
 

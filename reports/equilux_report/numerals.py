@@ -69,7 +69,7 @@ def seconds(value: float | None) -> str:
     """Wall time: 0.31 s, 2.4 ms, 3 min 20 s."""
     if value is None:
         return NONE
-    if value < 0.0995:
+    if value < 0.1:
         return f"{magnitude(value * 1e3, 2)}{NARROW}ms"
     if value < 99.5:
         return f"{magnitude(value, 3)}{NARROW}s"
