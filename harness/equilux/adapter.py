@@ -146,8 +146,8 @@ class Adapter(Protocol):
     """One renderer. Instances are stateless as far as the engine can tell; long-lived renderer state belongs to the worker
     process.
 
-    Optional, because most need it not: `code_packages`, a tuple of names of packages outside the adapter's own that have a part in
-    its pictures. When a file of the adapter's package, or of one of these, changes, no render made before is reused.
+    Optional, because most need it not: `code_packages`, a tuple of names of packages outside the adapter's own that have a
+    part in its pictures. When a file of the adapter's package, or of one of these, changes, no render made before is reused.
     """
 
     name: str

@@ -17,6 +17,7 @@ import select
 import signal
 import socket
 import sys
+import traceback
 from typing import Any
 
 import numpy as np
@@ -90,7 +91,10 @@ def _start(message: dict[str, Any], descriptors: list[int], ours: tuple[int, ...
         np.random.seed()  # a forked generator would repeat its siblings' numbers
         worker.main(message["adapter"], message["entry_point"], requests, replies)
         status = 0
+    except BaseException:
+        traceback.print_exc()
     finally:
+        sys.stderr.flush()
         os._exit(status)
 
 

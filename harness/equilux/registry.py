@@ -108,13 +108,13 @@ def complaints(candidate: object, name: str) -> list[str]:
         return [f"it is the class {candidate.__name__}; register an instance of it"]
     missing = [attribute for attribute in (*ATTRIBUTES, *METHODS) if not hasattr(candidate, attribute)]
     wrong = [f"missing {', '.join(missing)}"] if missing else []
-    wrong += [
-        f"{method} is not callable" for method in METHODS if method not in missing and not callable(getattr(candidate, method))
-    ]
     if "api_version" not in missing and (got := getattr(candidate, "api_version")) != API_VERSION:  # noqa: B009
         wrong.append(f"api_version is {got!r}, this equilux speaks {API_VERSION}")
     if "name" not in missing and (got := getattr(candidate, "name")) != name:  # noqa: B009
         wrong.append(f"its name is {got!r}, it is registered as {name!r}")
+    wrong += [
+        f"{method} is not callable" for method in METHODS if method not in missing and not callable(getattr(candidate, method))
+    ]
     if NAME_PATTERN.fullmatch(name) is None:
         wrong.append(f"the name {name!r} is not made of lower-case letters and digits joined by single '-', '_' or '.'")
     if "Knobs" not in missing and not _is_knobs_model(getattr(candidate, "Knobs")):  # noqa: B009

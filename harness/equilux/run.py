@@ -42,6 +42,10 @@ from equilux.tree import RUN_SCHEMA, Tree, write_json
 from equilux.workerstart import shared_nursery
 
 INTERRUPTED = 130
+JUDGEMENT_WORDS = {
+    "agree": "agree", "diverge_expected": "diverge as expected", "diverge_unexpected": "diverge unexpectedly",
+    "improved": "agree against expectation", "not_comparable": "not comparable",
+}  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -348,6 +352,6 @@ def _scene_file(case: Case) -> str | None:
 def _case_line(work: CaseWork, judged: CaseRecord) -> str:
     """A finished case in one line."""
     renders = ", ".join(f"{name} {record.status}" for name, record in judged.renders.items())
-    counts = Counter(pair.judged for pair in judged.pairs)
-    pairs = ", ".join(f"{count} {judgement.replace('_', ' ')}" for judgement, count in sorted(counts.items()))
+    counts = Counter(str(pair.judged) for pair in judged.pairs)
+    pairs = ", ".join(f"{counts[judgement]} {words}" for judgement, words in JUDGEMENT_WORDS.items() if counts[judgement])
     return f"{work.case.name}: {renders}; {f'pairs: {pairs}' if pairs else 'no pair'}"

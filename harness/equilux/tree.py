@@ -64,6 +64,7 @@ class Tree:
         holds anything else, and for one that another run is writing.
         """
         check_usable(root)
+        root = root.absolute()  # renderers are run in folders of their own
         try:
             root.mkdir(parents=True, exist_ok=True)
             lock = _lock(root)

@@ -50,13 +50,15 @@ class BadDelivery(Exception):
 
 
 def main(name: str, entry_point: str, requests: int, replies: int) -> None:
-    """Serve jobs until the engine closes the request pipe. The first message is the engine's environment and search path."""
+    """Serve jobs until the engine closes the request pipe. The first message says where the engine is: environment,
+    search path, working folder."""
     for fd in (requests, replies):
         os.set_inheritable(fd, False)
     _settle_process()
     surroundings = json.loads(wire.receive(requests))
     os.environ.clear()
     os.environ.update(surroundings["environment"])
+    os.chdir(surroundings["folder"])
     sys.path.extend(entry for entry in surroundings["path"] if entry not in sys.path)
     adapter = _load(name, entry_point, replies)
     if adapter is None:

@@ -64,7 +64,7 @@ class WorkerProcess:
             return
         deadline = time.monotonic() + START_TIMEOUT_S
         try:
-            surroundings = {"path": sys.path, "environment": dict(os.environ)}
+            surroundings = {"path": sys.path, "environment": dict(os.environ), "folder": os.getcwd()}
             wire.send(self._requests, json.dumps(surroundings).encode(), deadline)
             answer = self._receive(deadline)
         except wire.TookTooLong as problem:

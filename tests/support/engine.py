@@ -50,7 +50,7 @@ def entry(name: str, value: str | None = None, distribution: str = "fakes") -> E
 
 
 def registry(*names: str) -> Registry:
-    """A registry of fakes, the fake oracle among them; the fake reference only where it is named (every worker takes its time)."""
+    """A registry of fakes, the fake oracle among them; the fake reference only where it is named."""
     return Registry(entry(name) for name in dict.fromkeys((*names, "oracle")))
 
 
@@ -65,8 +65,8 @@ def planned(
 
 def run(
     out: Path, *names: str, scenes: Sequence[SceneFile] | None = None, settings: Sequence[str] = (), named: bool = True,
-    as_is: bool = False, store: Path | None = None, reuse: bool = True, timeout_s: float = 20.0, memory_bytes: int = 8 << 30, jobs: int = 2,
-    fail_fast: bool = False, progress: Progress | None = None,
+    as_is: bool = False, store: Path | None = None, reuse: bool = True, timeout_s: float = 20.0, memory_bytes: int = 8 << 30,
+    jobs: int = 2, fail_fast: bool = False, progress: Progress | None = None,
 ) -> Finished:  # fmt: skip
     """One run with these fakes and the fake oracle. Without a store nothing is remembered between runs."""
     what = planned(names, scenes, settings, named=named, as_is=as_is)
@@ -89,3 +89,9 @@ def renders_made(state: Path, adapter: str) -> int:
     """How often the fake renderer ran."""
     marks = state / f"{adapter}.renders"
     return len(marks.read_text()) if marks.exists() else 0
+
+
+def write_scene(path: Path, name: str = "tiny", *, specular: float = 0, rest: str = "") -> Path:
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(scene_text(name, specular=specular, rest=rest))
+    return path

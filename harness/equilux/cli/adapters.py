@@ -85,9 +85,12 @@ def _support(found: dict[str, Any]) -> str:
 
 def _details(found: dict[str, Any]) -> str:
     """What is worth a line of its own: an error, where the renderer is, what it lacks, its knobs."""
+    from equilux_scenes.features import FEATURES
+
     lines = [f"{found['name']}: {found['error'] or found['detail']}"]
-    lacking = [feature for feature, capability in found["capabilities"].items() if capability["level"] == "none"]
-    if lacking:
+    can = found["capabilities"]
+    lacking = [feature for feature in FEATURES if feature not in can or can[feature]["level"] == "none"]
+    if lacking and not found["error"]:
         lines.append(f"  lacks {', '.join(lacking)}")
     for name, knob in found["knobs"].items():
         lines.append(f"  --set {found['name']}.{name}={knob.get('default')}  {knob.get('description', '')}".rstrip())

@@ -67,6 +67,12 @@ def split_names(option: str, text: str | None) -> list[str] | None:
     return names
 
 
+def shown(path: Path) -> Path:
+    """A path as a user reads it: from the working folder where it lies below it."""
+    here = Path.cwd()
+    return path.relative_to(here) if path.is_absolute() and path.is_relative_to(here) else path
+
+
 def at_least_one(option: str, value: int) -> int:
     if value < 1:
         raise BadUsage(f"{option}: got {value}, expected an integer of at least 1")

@@ -8,6 +8,7 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
+from equilux.cli.inputs import shown
 from equilux.complaint import BadUsage
 
 
@@ -39,5 +40,5 @@ def report(
     from equilux_report import build
 
     page = build(run, out=out, single_file=single_file, case_filter=case_filter)
-    sys.stdout.write(f"{page}\n")
+    sys.stdout.write(f"{shown(page)}\n")
     return 0

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 from cyclopts import Parameter
 
 from equilux.cli import inputs
+from equilux.cli.inputs import shown
 from equilux.complaint import BadUsage
 
 if TYPE_CHECKING:
@@ -183,5 +184,5 @@ def _tell(finished: Finished, out: Path, page: Path | None, *, as_json: bool) ->
         sys.stdout.write(summary(finished.results))
         sys.stdout.write(f"results: {out / 'results.json'}\n")
         if page is not None:
-            sys.stdout.write(f"report: {page}\n")
+            sys.stdout.write(f"report: {shown(page)}\n")
     return finished.exit_code
