@@ -23,7 +23,7 @@ class Limits:
 
     file_bytes: int = 4 << 20
     nesting: int = 32
-    nodes: int = 500_000
+    nodes: int = 250_000
     aliases: int = 1_000
     pixels: int = 100_000_000
     objects: int = 20_000

@@ -31,6 +31,8 @@ from equilux_scenes.yaml_scalars import Scalar, resolve
 
 # YAML 1.2 §5.1, c-printable, without the byte order mark inside the text
 _NOT_PRINTABLE = re.compile("[^\t\n\r\x20-\x7e\x85\xa0-\ud7ff\ue000-\ufefe\uff00-\ufffd\U00010000-\U0010ffff]")
+# no tag is allowed anyway, and the parser takes quadratic time over a long one
+_LONG_TAG = re.compile(r"!\S{1000}")
 _LINE_END = re.compile(r"\r\n|\r|\n")
 
 
@@ -120,6 +122,8 @@ def parse(text: str, file: str, limits: Limits) -> YamlTree:
     if bad := _NOT_PRINTABLE.search(source.text):
         message = f"character U+{ord(bad.group()):04X}, allowed printable text (is this a YAML file?)"
         raise SpecErrors([source.error(bad.start(), message)])
+    if tag := _LONG_TAG.search(source.text):
+        raise SpecErrors([source.error(tag.start(), f"YAML tag '{shortened(tag.group())}', allowed no tags")])
     builder = _Builder(source, limits)
     try:
         builder.read(_events(source))

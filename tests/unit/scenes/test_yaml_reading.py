@@ -107,6 +107,7 @@ BROKEN = {
     "lone surrogate": ("a: \ud800\n", "t.yaml:1:4: character U+D800, allowed printable text (is this a YAML file?)"),
     "impossible escape": ('a: "\\UFFFFFFFF"\n', "t.yaml:1:"),
     "unknown directive version": ("%YAML 9.9.9\n---\na: 1\n", "t.yaml:1:"),
+    "endless tag": ("a: " + "!" * 1_000_000, "t.yaml:1:4: YAML tag '!!!!"),
     "unknown tag handle": ("a: !e!x 1\n", "t.yaml:1:4: not YAML: "),
 }
 
