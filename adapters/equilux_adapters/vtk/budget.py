@@ -11,9 +11,11 @@ from typing import Any
 
 import numpy as np
 from equilux.adapter import Bound, Budget, Case, Geometric
-from equilux_scenes.model import DirectionalLight, SpotLight
+from equilux_scenes.model import SpotLight
 
-from equilux_adapters.vtk.geometry import U, geometry_of, horizon_of, reach_of, set_back_of, view_of
+from equilux_adapters.vtk.bounds import U, view_of
+from equilux_adapters.vtk.bounds_flat import horizon_of
+from equilux_adapters.vtk.geometry import geometry_of, light_reach, reach_of, set_back_of
 from equilux_adapters.vtk.knobs import VtkKnobs
 
 SNAP_PX = 1 / 256
@@ -39,7 +41,7 @@ a light's position."""
 def facts_of(case: Case, knobs: VtkKnobs) -> dict[str, Any]:
     """JSON: what `budget_of` needs to know of the case; it travels with the program."""
     scene = case.scene
-    facts: dict[str, Any] = {"tessellation": geometry_of(case, knobs), "set_back_m": set_back_of(case, knobs), "lights": len(scene.lights)}
+    facts: dict[str, Any] = {"facets": geometry_of(case, knobs), "set_back_m": set_back_of(case, knobs), "lights": len(scene.lights)}
     exponents = [scene.materials[obj.material].exponent for obj in scene.objects if any(scene.materials[obj.material].specular)]
     exponents += [light.exponent for light in scene.lights.values() if isinstance(light, SpotLight)]
     facts["exponent"] = max((min(exponent, 128.0) for exponent in exponents), default=0.0)  # Q5, Q7
@@ -50,14 +52,8 @@ def facts_of(case: Case, knobs: VtkKnobs) -> dict[str, Any]:
 
 
 def _reach(case: Case) -> dict[str, float]:
-    """Per object, how far from the eye positions still matter: rounding is relative to that distance.
-
-    Beyond twice the distance of the farthest light from the eye, the light is at least half as far from the point as the eye is, and
-    rounding of the position changes the light's distance and direction by less than the roundings of directions that are stated anyway.
-    """
-    eye = np.asarray(case.scene.camera.eye)
-    lights = [light for light in case.scene.lights.values() if not isinstance(light, DirectionalLight)]
-    farthest = max((2 * float(np.linalg.norm(np.asarray(light.position) - eye)) for light in lights), default=0.0)
+    """Per object, the distance from the eye that rounding of its positions is relative to."""
+    farthest = light_reach(case)
     return {str(index): min(reach_of(case, index), farthest) for index in range(len(case.scene.objects))} if farthest else {}
 
 
@@ -77,12 +73,13 @@ def _cone_px(case: Case) -> float:
 
 def budget_of(facts: Mapping[str, Any], largest: float) -> Budget:
     """The terms; largest: the picture's largest radiance. Constant colours (emission, ambient, background) are exact but for their storage."""
-    facets = facts["tessellation"]
+    facets = facts["facets"]
     terms: list[Bound | Geometric] = [
         Geometric("pixel grid", "corners are moved to multiples of 1/256 pixel, cones are cut in single precision", film_px=SNAP_PX + facts["cone_px"])
     ]
-    if facets["normal"] or facets["film_px"]:
-        terms.append(Geometric("tessellation", "flat facets in place of round surfaces", **_per_object(facets)))
+    if facets["normal"] or facets["position_m"] or facets["film_px"]:
+        reason = "flat facets in place of round surfaces; rounding on the film shifts what is interpolated"
+        terms.append(Geometric("facets", reason, **_per_object(facets)))
     if facts["set_back_m"]:
         terms.append(Geometric("set back", "surfaces in one place are drawn apart", position_m=_by_index(facts["set_back_m"])))
     if facts["lights"]:

@@ -66,6 +66,11 @@ class Round:
     steepness: Array
     across: Array
 
+    @property
+    def has_rim(self) -> bool:
+        """Whether there is such an angle: the eye is outside."""
+        return self.rim < len(self.angles) - 1
+
 
 def divide(distance: float, segments: int, radius: float, scale: Scale, largest: float) -> Round:
     """Angles of a circle seen from `distance` radii away (inf: parallel rays), at a tolerance of (2π/segments)²/8 on the normal.

@@ -18,7 +18,7 @@ Array = Any
 def sphere(view: View, center: Array, radius: float, segments: int, matrix: Array | None = None) -> Mesh:
     """Rings about the axis towards the eye; what the sphere itself hides is left out."""
     axes, meridian, counts = sphere_division(view, center, radius, segments, matrix)
-    hides_back = meridian.rim < len(meridian.angles) - 1 and not cut_by_eye_plane(view, center, radius, matrix)
+    hides_back = meridian.has_rim and not cut_by_eye_plane(view, center, radius, matrix)
     last = meridian.rim if hides_back else len(meridian.angles) - 1
     rings, start, total = [], [], 0
     for k in range(last + 1):
@@ -86,7 +86,7 @@ def cylinder(
     radial = np.cos(turn)[:, None] * axes[0] + np.sin(turn)[:, None] * axes[1]
     low, high = (np.asarray(end, dtype=float) + radius * radial for end in (base, top))
     j = np.arange(count)
-    if not capped and half.rim < len(half.angles) - 1:  # see `sphere`
+    if not capped and half.has_rim:  # see `sphere`
         j = j[(j != half.rim) & (j != count - half.rim - 1)]
     following = (j + 1) % count
     points, normals = [low, high], [radial, radial]
@@ -123,7 +123,9 @@ def rectangle(view: View, corner: Array, edge_u: Array, edge_v: Array, matrix: A
 def box(view: View, low: Array, high: Array, matrix: Array | None = None) -> Mesh:
     """Six faces with normals of their own."""
     bounds = np.stack([np.asarray(low, dtype=float), np.asarray(high, dtype=float)])
-    points, normals, triangles = [], [], []
+    points: list[Array] = []
+    normals: list[Array] = []
+    triangles: list[Array] = []
     for axis in range(3):
         for side in (0, 1):
             across, along = (axis + 1) % 3, (axis + 2) % 3

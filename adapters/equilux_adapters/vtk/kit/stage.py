@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from vtkmodules.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray
+from vtkmodules.util.numpy_support import numpy_to_vtk
 from vtkmodules.vtkCommonCore import VTK_FLOAT, vtkPoints
 from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkPolyData
 from vtkmodules.vtkRenderingCore import vtkActor, vtkCamera, vtkLight, vtkPolyDataMapper, vtkProperty, vtkRenderer
@@ -67,17 +67,22 @@ def spot_light(
     return light
 
 
+def vtk_array(values: Array, kind: Any) -> Any:
+    """A copy that VTK owns."""
+    return numpy_to_vtk(np.ascontiguousarray(values, dtype=kind), deep=True)  # type: ignore[no-untyped-call]
+
+
 def actor(mesh: Mesh, surface: vtkProperty) -> vtkActor:
     """A mesh, already cut to the film, with its material; rounded to single precision here."""
     data, points, cells = vtkPolyData(), vtkPoints(), vtkCellArray()
-    points.SetData(numpy_to_vtk(np.ascontiguousarray(mesh.points, dtype=np.float32), deep=True))
-    cells.SetData(3, numpy_to_vtkIdTypeArray(np.ascontiguousarray(mesh.triangles.ravel(), dtype=np.int64), deep=True))
+    points.SetData(vtk_array(mesh.points, np.float32))
+    cells.SetData(3, vtk_array(mesh.triangles.ravel(), np.int64))
     data.SetPoints(points)
     data.SetPolys(cells)
     # one normal per triangle where it is flat: what is interpolated loses digits on surfaces that reach far into the depth
     normals = mesh.normals[mesh.triangles[:, 0]] if mesh.flat else mesh.normals
     attributes = data.GetCellData() if mesh.flat else data.GetPointData()
-    attributes.SetNormals(numpy_to_vtk(np.ascontiguousarray(normals, dtype=np.float32), deep=True))
+    attributes.SetNormals(vtk_array(normals, np.float32))
     mapper = vtkPolyDataMapper()
     mapper.SetVBOShiftScaleMethod(0)  # coordinates are relative to the eye already; a shift of VTK's own loses digits near it
     mapper.SetInputData(data)
