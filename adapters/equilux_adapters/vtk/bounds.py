@@ -1,4 +1,5 @@
-"""What every bound on displacements is made of: the script's view, what rounding does on its film, and three numbers per object."""
+"""What every bound on displacements is made of: the script's view, what rounding does on its film, and three numbers per
+object."""
 
 from __future__ import annotations
 
@@ -43,8 +44,8 @@ def rounding_px(view: View) -> float:
 
 
 def on_film(view: View, points: Floats) -> tuple[Floats, Floats]:
-    """Points relative to the eye, (…, 3) → film positions from its middle, (…, 2), pixels, and depths (…). NaN behind the eye of a
-    perspective view.
+    """Points relative to the eye, (…, 3) → film positions from its middle, (…, 2), pixels, and depths (…). NaN behind the eye
+    of a perspective view.
     """
     x, y, depth = seen_from(view, points.reshape(-1, 3)).T
     over = np.ones_like(depth) if view.parallel else np.where(depth > 0, depth, np.nan)

@@ -14,15 +14,15 @@ from equilux_adapters.vtk.kit.facing import towards_eye
 from equilux_adapters.vtk.kit.view import Mesh, View
 
 SLIVER_PX = 1 / 16
-"""Faces and triangles that are thinner on the film are left to the film position: the edge of one is never farther than half of this
-from a pixel that shows it."""
+"""Faces and triangles that are thinner on the film are left to the film position: the edge of one is never farther than half of
+this from a pixel that shows it."""
 
 
 def of_faces(view: View, mesh: Mesh, reach_m: float) -> Bounds:
     """Bounds on the position on flat faces, of which nothing farther than `reach_m` matters (see `budget`).
 
-    A shift by ε on the film moves the point that is seen by ε (metres per pixel) / cos i; in perspective, at depth w on a plane that
-    passes the eye at distance h, that is ε w² / (h · pixels per unit).
+    A shift by ε on the film moves the point that is seen by ε (metres per pixel) / cos i; in perspective, at depth w on a plane
+    that passes the eye at distance h, that is ε w² / (h · pixels per unit).
     """
     seen = in_frame(view, towards_eye(view, mesh))
     if len(seen.triangles) == 0:
@@ -64,9 +64,9 @@ def _thickness(film: Floats) -> Floats:
 def horizon_of(case: Case) -> float:
     """Where a flat surface may be seen to its horizon: how far rounding on the film moves radiance, as a share of the largest.
 
-    At d pixels from the horizon depth is off by ε/d of itself, ε being the rounding on the film, so radiance by 2 ε/d at most (inverse
-    square). Radiance falls off towards the horizon at least like d, where it depends on depth at all: 2 ε/D of the largest radiance is
-    enough at every d, D being the film's reach from the horizon.
+    At d pixels from the horizon depth is off by ε/d of itself, ε being the rounding on the film, so radiance by 2 ε/d at most
+    (inverse square). Radiance falls off towards the horizon at least like d, where it depends on depth at all: 2 ε/D of the
+    largest radiance is enough at every d, D being the film's reach from the horizon.
     """
     camera, film = case.scene.camera, case.scene.film
     if camera.projection != "perspective":

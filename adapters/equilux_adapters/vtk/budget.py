@@ -22,26 +22,29 @@ SNAP_PX = 1 / 256
 """Corners are moved to multiples of 1/256 pixel, so by 1/512 along either axis; an edge moves by √2/512 at most."""
 
 DIRECTION_ROUNDINGS = 8
-"""Of a unit vector in the shader (N, L or V): three interpolated or subtracted components at 2 u each, and the normalisation's 2 u."""
+"""Of a unit vector in the shader (N, L or V): three interpolated or subtracted components at 2 u each, and the normalisation's
+2 u."""
 
 COSINE_ROUNDINGS = 6
-"""Of a cosine near 1 in the shader: the lengths of two vectors made unit, 2 u each, and the sum of three products, 2 u. What turns the
-vectors is in the direction term; what changes their length moves R·V even where turning them does not, at the top of a highlight."""
+"""Of a cosine near 1 in the shader: the lengths of two vectors made unit, 2 u each, and the sum of three products, 2 u. What
+turns the vectors is in the direction term; what changes their length moves R·V even where turning them does not, at the top of
+a highlight."""
 
 LIGHT_ROUNDINGS = 12
-"""Of one light's contribution beyond its cosines: r² (4 u), the attenuation's sum and quotient (3 u), three factors (3 u), log2 and exp2
-(2 u)."""
+"""Of one light's contribution beyond its cosines: r² (4 u), the attenuation's sum and quotient (3 u), three factors (3 u), log2
+and exp2 (2 u)."""
 
 
 POSITION_ROUNDINGS = 6
-"""Of a point's coordinates relative to the eye: to single precision, the rotation into view coordinates, the interpolation; likewise of
-a light's position."""
+"""Of a point's coordinates relative to the eye: to single precision, the rotation into view coordinates, the interpolation;
+likewise of a light's position."""
 
 
 def facts_of(case: Case, knobs: VtkKnobs) -> dict[str, Any]:
     """JSON: what `budget_of` needs to know of the case; it travels with the program."""
     scene = case.scene
-    facts: dict[str, Any] = {"facets": geometry_of(case, knobs), "set_back_m": set_back_of(case, knobs), "lights": len(scene.lights)}
+    facts: dict[str, Any] = {"facets": geometry_of(case, knobs), "set_back_m": set_back_of(case, knobs)}
+    facts["lights"] = len(scene.lights)
     exponents = [scene.materials[obj.material].exponent for obj in scene.objects if any(scene.materials[obj.material].specular)]
     exponents += [light.exponent for light in scene.lights.values() if isinstance(light, SpotLight)]
     facts["exponent"] = max((min(exponent, 128.0) for exponent in exponents), default=0.0)  # Q5, Q7
@@ -58,7 +61,8 @@ def _reach(case: Case) -> dict[str, float]:
 
 
 def _cone_px(case: Case) -> float:
-    """How far on the film rounding displaces the border of a cone: its cosine is off by some u, its angle by that over its sine."""
+    """How far on the film rounding displaces the border of a cone: its cosine is off by some u, its angle by that over its
+    sine."""
     scene = case.scene
     view = view_of(scene.camera, scene.film)
     worst = 0.0
@@ -72,10 +76,11 @@ def _cone_px(case: Case) -> float:
 
 
 def budget_of(facts: Mapping[str, Any], largest: float) -> Budget:
-    """The terms; largest: the picture's largest radiance. Constant colours (emission, ambient, background) are exact but for their storage."""
+    """The terms; largest: the picture's largest radiance. Constant colours (emission, ambient, background) are exact but for
+    their storage."""
     facets = facts["facets"]
     terms: list[Bound | Geometric] = [
-        Geometric("pixel grid", "corners are moved to multiples of 1/256 pixel, cones are cut in single precision", film_px=SNAP_PX + facts["cone_px"])
+        Geometric("pixel grid", "corners are moved to multiples of 1/256 pixel", film_px=SNAP_PX + facts["cone_px"]),
     ]
     if facets["normal"] or facets["position_m"] or facets["film_px"]:
         reason = "flat facets in place of round surfaces; rounding on the film shifts what is interpolated"

@@ -1,4 +1,5 @@
-"""Objects that share a surface: which of them must be drawn a hair nearer or farther, so that the first in the file is seen (Q12)."""
+"""Objects that share a surface: which of them must be drawn a hair nearer or farther, so that the first in the file is seen
+(Q12)."""
 
 from __future__ import annotations
 

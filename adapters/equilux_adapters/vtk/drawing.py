@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import Any
 
-import numpy as np
 from equilux.adapter import Case
 from equilux_scenes.model import Object
 from equilux_scenes.transforms import matrix
@@ -41,5 +40,5 @@ def build(case: Case, index: int, view: View, knobs: VtkKnobs) -> Mesh:
     given = arguments(obj, knobs)
     if mesh is not None:
         given |= {"vertices": mesh.vertices, "faces": mesh.faces, "vertex_normals": mesh.vertex_normals}
-    made: Mesh = getattr(shapes, obj.kind)(view, **{key: np.asarray(v) if isinstance(v, tuple) else v for key, v in given.items()})
+    made: Mesh = getattr(shapes, obj.kind)(view, **given)
     return made

@@ -98,7 +98,8 @@ def _enclosure(case: Case, index: int, obj: Any) -> tuple[Floats, float]:
 
 
 def set_back_of(case: Case, knobs: VtkKnobs) -> dict[str, float]:
-    """How far, in metres, coincident objects are drawn from where they are, per object index (as text); see `kit.depth.set_back`."""
+    """How far, in metres, coincident objects are drawn from where they are, per object index (as text); see
+    `kit.depth.set_back`."""
     steps = set_backs(case)
     if not any(steps):
         return {}

@@ -14,9 +14,8 @@ class VtkKnobs(Knobs):
         ge=8,
         le=4096,
         description=(
-            "Facets around a circle that is seen at 45°; fewer where it is seen straight on, more where it is seen at a grazing angle. "
-            "Spheres, cylinders and discs are tessellated, everything else is exact. The normal is off by (2π/n)²/8 at most, save on "
-            "objects of a few pixels."
+            "How finely round surfaces are tessellated: facets around a circle that is seen at 45°, more where it is seen at a "
+            "grazing angle. The normal is off by some (2π/n)²/8, but where less than a pixel is at stake."
         ),
         json_schema_extra={"faster": "smaller"},
     )

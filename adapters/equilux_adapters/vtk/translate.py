@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from equilux.adapter import Case, Program, Unsupported
 from equilux_scenes.mesh import TriangleMesh
-from equilux_scenes.model import DirectionalLight, Light, Material, Object, PointLight, Scene, SpotLight
+from equilux_scenes.model import DirectionalLight, Light, Material, Object, PointLight, Scene
 
 from equilux_adapters.vtk.budget import facts_of
 from equilux_adapters.vtk.capabilities import CAPABILITIES
@@ -62,10 +62,8 @@ def _body(case: Case, knobs: VtkKnobs) -> list[str]:
     for key, name in surfaces.items():
         lines += [*_surface(name, scene.materials[key], scene), ""]
     lines += _list("lights", [(_light(light), key) for key, light in scene.lights.items()])
-    objects = [
-        (f"({_shape(index, obj, knobs)}, {surfaces[obj.material]})", f"objects[{index}]") for index, obj in enumerate(scene.objects)
-    ]
-    lines += _list("objects", objects)
+    drawn = [f"({_shape(index, obj, knobs)}, {surfaces[obj.material]})" for index, obj in enumerate(scene.objects)]
+    lines += _list("objects", [(text, f"objects[{index}]") for index, text in enumerate(drawn)])
     if any(steps := set_backs(case)):  # Q12
         lines.append(f"apart = set_back(view, [mesh for mesh, _ in objects], steps={tuple(steps)})")
         lines.append("objects = [(mesh, surface) for mesh, (_, surface) in zip(apart, objects)]")
@@ -97,7 +95,7 @@ def _surface_names(objects: Iterable[Object]) -> dict[str, str]:
 def _surface(name: str, material: Material, scene: Scene) -> list[str]:
     """The statements of one vtkProperty. The K go into the colours: coefficients are clamped to 1, colours are not (Q4)."""
     lines = [f"{name} = vtkProperty()", f"{name}.SetInterpolationToPhong()"]
-    glow = [e + a * l for e, a, l in zip(material.emission, material.ambient, scene.ambient, strict=True)]  # Q3
+    glow = [own + k * around for own, k, around in zip(material.emission, material.ambient, scene.ambient, strict=True)]  # Q3
     if any(glow):
         lines += [f"{name}.SetAmbient(1)", f"{name}.SetAmbientColor{_tuple(glow)}"]
     # without lights VTK would show the diffuse colour as it is (Q10)
@@ -115,13 +113,11 @@ def _light(light: Light) -> str:
     if isinstance(light, DirectionalLight):
         return f"directional_light(direction={_tuple(light.direction)}, irradiance={_tuple(light.irradiance)})"
     terms = _tuple([light.attenuation.constant, light.attenuation.linear, light.attenuation.quadratic])
+    place = f"view, position={_tuple(light.position)}, intensity={_tuple(light.intensity)}, attenuation={terms}"
     if isinstance(light, PointLight):
-        return f"point_light(view, position={_tuple(light.position)}, intensity={_tuple(light.intensity)}, attenuation={terms})"
-    assert isinstance(light, SpotLight)
-    return (
-        f"spot_light(view, position={_tuple(light.position)}, direction={_tuple(light.direction)}, intensity={_tuple(light.intensity)}, "
-        f"attenuation={terms}, cone_half_angle_deg={_number(light.cone_half_angle_deg)}, exponent={_number(light.exponent)})"
-    )
+        return f"point_light({place})"
+    cone = f"cone_half_angle_deg={_number(light.cone_half_angle_deg)}, exponent={_number(light.exponent)}"
+    return f"spot_light({place}, direction={_tuple(light.direction)}, {cone})"
 
 
 def _shape(index: int, obj: Object, knobs: VtkKnobs) -> str:

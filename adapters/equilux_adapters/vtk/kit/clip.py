@@ -13,9 +13,11 @@ Array = Any
 
 
 def cut(points: Array, triangles: Array, distance: Array) -> tuple[Array, Array]:
-    """The part of triangles where `distance` (n,), linear over each of them, is not negative: all points, old and new, and triangles.
+    """The part of triangles where `distance` (n,), linear over each of them, is not negative: all points, old and new, and
+    triangles.
 
-    A new point is worked out from the inner to the outer end of its edge: triangles that share an edge get equal points, no cracks.
+    A new point is worked out from the inner to the outer end of its edge: triangles that share an edge get equal points, no
+    cracks.
     """
     inside = distance >= 0
     count = inside[triangles].sum(axis=1)

@@ -31,8 +31,8 @@ DEPTH_STEP = 2.0**-20
 def set_back(view: View, meshes: Sequence[Mesh], steps: Iterable[int]) -> list[Mesh]:
     """Draw objects that lie in one surface a few steps of the depth buffer apart, so that the first is seen.
 
-    Points move along the rays they are seen by: 1/depth (depth, of a parallel view) changes by a constant, which keeps their place on
-    the film, and flat things flat.
+    Points move along the rays they are seen by: 1/depth (depth, of a parallel view) changes by a constant, which keeps their
+    place on the film, and flat things flat.
     """
     seen = [in_frame(view, mesh) for mesh in meshes]
     near, far = clipping_range(view, seen)

@@ -15,8 +15,9 @@ Array = Any
 def towards_eye(view: View, mesh: Mesh) -> Mesh:
     """Turn every triangle's front, and its normals, to the eye; leave out what the mesh itself is sure to hide.
 
-    VTK lights the side that a triangle turns to the film after its corners were moved to the grid, which turns slivers over. Triangles
-    that all show their front can be drawn with back faces culled: what is turned over goes, and its neighbours cover the place.
+    VTK lights the side that a triangle turns to the film after its corners were moved to the grid, which turns slivers over.
+    Triangles that all show their front can be drawn with back faces culled: what is turned over goes, and its neighbours cover
+    the place.
     """
     front = faces_eye(view, mesh)
     if mesh.closed and not starts_inside(view, mesh):
@@ -52,7 +53,8 @@ def starts_inside(view: View, mesh: Mesh) -> bool:
 
 
 def is_watertight(vertices: Array, faces: Array) -> bool:
-    """Whether every edge of a mesh is shared by two triangles that run along it in opposite ways; corners in one place are one."""
+    """Whether every edge of a mesh is shared by two triangles that run along it in opposite ways; corners in one place are
+    one."""
     _, corner = np.unique(vertices, axis=0, return_inverse=True)
     corners = corner.reshape(-1)[faces]
     edges = np.concatenate([corners[:, [0, 1]], corners[:, [1, 2]], corners[:, [2, 0]]])

@@ -1,8 +1,8 @@
 """Tessellation of what is round: finer where it is seen at a grazing angle, where a flat facet misplaces the normal most.
 
-On a facet whose corners lie on a circle of radius R and whose normals are radial, the interpolated normal is exactly the radial one
-*of the facet's point*. The facet lies s = R θ²/8 below the arc of angle θ, so a ray coming in at the angle i from the normal meets it
-s tan i aside of where it meets the circle: the normal is off by θ²/8 · tan i, and nothing else is.
+On a facet whose corners lie on a circle of radius R and whose normals are radial, the interpolated normal is exactly the radial
+one *of the facet's point*. The facet lies s = R θ²/8 below the arc of angle θ, so a ray coming in at the angle i from the
+normal meets it s tan i aside of where it meets the circle: the normal is off by θ²/8 · tan i, and nothing else is.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from equilux_adapters.vtk.kit.view import View
+from equilux_adapters.vtk.kit.view import View, linear_and_shift
 
 Array = Any
 
@@ -38,10 +38,10 @@ class Scale:
 def film_scale(view: View, matrix: Array | None, points: Array, reach: float, clearance: float = 0.0) -> Scale:
     """The scale near `points` of object space, give or take `reach`; nothing of it is nearer to the eye than `clearance`.
 
-    What is nearer than a thousandth of the farthest depth counts as that, and what is more than four times as far as the nearest as
-    four times: no division serves both ends of what reaches over more.
+    What is nearer than a thousandth of the farthest depth counts as that, and what is more than four times as far as the
+    nearest as four times: no division serves both ends of what reaches over more.
     """
-    linear, shift = (np.eye(3), np.zeros(3)) if matrix is None else (np.asarray(matrix, dtype=float)[:3, :3], np.asarray(matrix)[:3, 3])
+    linear, shift = linear_and_shift(matrix)
     factors = np.linalg.svd(linear, compute_uv=False)
     if view.parallel:
         return Scale(view.pixels_per_unit * factors[-1], view.pixels_per_unit * factors[0], factors[0] / factors[-1])
@@ -57,8 +57,9 @@ def film_scale(view: View, matrix: Array | None, points: Array, reach: float, cl
 class Round:
     """How a circle (or a sphere's meridian) is seen, and how it is divided.
 
-    angles: from 0, towards the eye, to π. rim: index of the angle where the surface is seen edge-on, len(angles) − 1 when the eye is
-    inside. steepness: tan i at each angle (inf at the rim). across: the largest step allowed along the parallels at each angle.
+    angles: from 0, towards the eye, to π. rim: index of the angle where the surface is seen edge-on, len(angles) − 1 when the
+    eye is inside. steepness: tan i at each angle (inf at the rim). across: the largest step allowed along the parallels at each
+    angle.
     """
 
     angles: Array
@@ -132,11 +133,9 @@ def axes_towards(direction: Array) -> Array:
 
 def eye_in_object(view: View, matrix: Array | None) -> tuple[Array, Array]:
     """The eye, and the direction against the view, in object space."""
-    if matrix is None:
-        return view.eye, -view.forward
-    matrix = np.asarray(matrix, dtype=float)
-    inverse = np.linalg.inv(matrix[:3, :3])
-    return inverse @ (view.eye - matrix[:3, 3]), -inverse @ view.forward
+    linear, shift = linear_and_shift(matrix)
+    inverse = np.linalg.inv(linear)
+    return inverse @ (view.eye - shift), -inverse @ view.forward
 
 
 def sphere_scale(view: View, center: Array, radius: float, matrix: Array | None) -> Scale:
@@ -145,7 +144,9 @@ def sphere_scale(view: View, center: Array, radius: float, matrix: Array | None)
     return film_scale(view, matrix, center, radius, abs(float(np.linalg.norm(eye - np.asarray(center))) - radius))
 
 
-def sphere_division(view: View, center: Array, radius: float, segments: int, matrix: Array | None = None) -> tuple[Array, Round, Array]:
+def sphere_division(
+    view: View, center: Array, radius: float, segments: int, matrix: Array | None = None
+) -> tuple[Array, Round, Array]:
     """Axes (w towards the eye), the meridian's division, and the number of points on each parallel (a power of two times 8)."""
     center = np.asarray(center, dtype=float)
     eye, against = eye_in_object(view, matrix)

@@ -10,7 +10,7 @@ import numpy as np
 from equilux_adapters.vtk.kit.clip import only_inside
 from equilux_adapters.vtk.kit.facing import is_watertight
 from equilux_adapters.vtk.kit.round import Round, axes_towards, divide, eye_in_object, film_scale, sectors, sphere_division
-from equilux_adapters.vtk.kit.view import Mesh, View, mapped, place
+from equilux_adapters.vtk.kit.view import Mesh, View, linear_and_shift, mapped, place
 
 Array = Any
 
@@ -57,15 +57,17 @@ def cut_by_eye_plane(view: View, center: Array, radius: float, matrix: Array | N
     """Whether a parallel view starts inside the sphere somewhere, and so looks at its inner side."""
     if not view.parallel:
         return False
-    linear, shift = (np.eye(3), np.zeros(3)) if matrix is None else (np.asarray(matrix, dtype=float)[:3, :3], np.asarray(matrix)[:3, 3])
+    linear, shift = linear_and_shift(matrix)
     depth = view.forward @ (linear @ np.asarray(center, dtype=float) + (shift - view.eye))
     return bool(depth < 1.0001 * radius * np.linalg.norm(view.forward @ linear))
 
 
-def cylinder_division(view: View, base: Array, top: Array, radius: float, segments: int, matrix: Array | None) -> tuple[Array, Round]:
+def cylinder_division(
+    view: View, base: Array, top: Array, radius: float, segments: int, matrix: Array | None
+) -> tuple[Array, Round]:
     """Axes (w along the cylinder, u towards the eye) and the division of half its circumference."""
     base, top = np.asarray(base, dtype=float), np.asarray(top, dtype=float)
-    w, u, v = (lambda rows: (rows[2], rows[0], rows[1]))(axes_towards(top - base))
+    u, v, w = axes_towards(top - base)
     eye, against = eye_in_object(view, matrix)
     towards = against if view.parallel else eye - base
     aside = np.array([towards @ u, towards @ v])
@@ -162,9 +164,8 @@ def plane(view: View, point: Array, normal: Array, matrix: Array | None = None) 
     It ends a little beyond what the farthest pixel centre sees, short of the horizon.
     """
     point, normal = np.asarray(point, dtype=float), np.asarray(normal, dtype=float)
-    if matrix is not None:
-        matrix = np.asarray(matrix, dtype=float)
-        point, normal = matrix[:3, :3] @ point + matrix[:3, 3], np.linalg.inv(matrix[:3, :3]).T @ normal
+    linear, shift = linear_and_shift(matrix)
+    point, normal = linear @ point + shift, np.linalg.inv(linear).T @ normal
     normal = normal / np.max(np.abs(normal))
     normal /= np.linalg.norm(normal)
     height = normal @ (point - view.eye)

@@ -54,7 +54,13 @@ def point_light(view: View, position: Array, intensity: Array, attenuation: Arra
 
 
 def spot_light(
-    view: View, position: Array, direction: Array, intensity: Array, attenuation: Array, cone_half_angle_deg: float, exponent: float
+    view: View,
+    position: Array,
+    intensity: Array,
+    attenuation: Array,
+    direction: Array,
+    cone_half_angle_deg: float,
+    exponent: float,
 ) -> vtkLight:
     """A point light within a hard cone, weakened by cos^exponent off its axis."""
     light = point_light(view, position, intensity, attenuation)

@@ -14,9 +14,9 @@ Array = Any
 class Mesh:
     """Triangles in coordinates relative to the eye (world axes, metres), double precision.
 
-    points: (n, 3). normals: (n, 3), outward, not of unit length in general. triangles: (m, 3), counter-clockwise seen from outside.
-    closed: the triangles enclose a volume, so that from outside only their fronts are seen. flat: the corners of every triangle have its
-    normal.
+    points: (n, 3). normals: (n, 3), outward, not of unit length in general. triangles: (m, 3), counter-clockwise seen from
+    outside. closed: the triangles enclose a volume, so that from outside only their fronts are seen. flat: the corners of every
+    triangle have its normal.
     """
 
     points: Array
@@ -61,7 +61,8 @@ def look_at(eye: Array, target: Array, up: Array) -> dict[str, Array]:
 
 
 def mapped(points: Array, matrix: Array) -> Array:
-    """(n, 3) → (n, 3): matrix (3, 3) times each point. Written out: the same digits on every machine, and no threads for a little work."""
+    """(n, 3) → (n, 3): matrix (3, 3) times each point. Written out: the same digits on every machine, and no threads for a
+    little work."""
     x, y, z = points.T
     return np.stack([row[0] * x + row[1] * y + row[2] * z for row in matrix], axis=1)
 
@@ -69,6 +70,12 @@ def mapped(points: Array, matrix: Array) -> Array:
 def seen_from(view: View, points: Array) -> Array:
     """(n, 3) relative to the eye → (n, 3): along right, up and forward."""
     return mapped(points, np.stack([view.right, view.up, view.forward]))
+
+
+def linear_and_shift(matrix: Array | None) -> tuple[Array, Array]:
+    """The linear part (3, 3) and the shift (3,) of an affine matrix (4, 4); of the identity where there is none."""
+    full = np.eye(4) if matrix is None else np.asarray(matrix, dtype=float)
+    return full[:3, :3], full[:3, 3]
 
 
 def place(
@@ -82,13 +89,13 @@ def place(
 ) -> Mesh:
     """Object space → relative to the eye, in double, so that a scene far from the origin keeps its digits in float32 later.
 
-    Normals go by the inverse transpose and are *not* made unit again: VTK interpolates them linearly and normalises per pixel, so
-    interpolating before and after the transform is the same. A mirroring matrix turns the winding, which must agree with the normals.
+    Normals go by the inverse transpose and are *not* made unit again: VTK interpolates them linearly and normalises per pixel,
+    so interpolating before and after the transform is the same. A mirroring matrix turns the winding, which must agree with the
+    normals.
     """
     if matrix is None:
         return Mesh(points - view.eye, normals, triangles, closed, flat)
-    matrix = np.asarray(matrix, dtype=float)
-    linear, shift = matrix[:3, :3], matrix[:3, 3]
+    linear, shift = linear_and_shift(matrix)
     inverse = np.linalg.inv(linear)
     if np.linalg.det(linear) < 0:
         triangles = triangles[:, ::-1]
