@@ -64,7 +64,11 @@ class Opened:
             " && [...document.querySelectorAll('figure.picture .panel-note')].every(note => note.textContent !== '…')"
             " && document.querySelector('[data-inspect=radiance] tbody td').textContent !== '–'"
         )
-        self.page.wait_for_timeout(60)
+        self.drawn()
+
+    def drawn(self) -> None:
+        """Wait until what was asked for has been drawn: drawing waits for one frame, and the next comes after it."""
+        self.page.evaluate("new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))")
 
 
 Opener = Callable[..., Opened]

@@ -117,13 +117,12 @@ def test_hovering_and_clicking_inspect_the_pixel_under_the_pointer(tree: Path, o
     box = canvas.bounding_box()
     scale = box["width"] / 96
     view.page.mouse.move(box["x"] + 20.5 * scale, box["y"] + 33.5 * scale)
-    view.page.wait_for_timeout(80)
+    view.drawn()
     assert [view.page.input_value(f"input[name={axis}]") for axis in "xy"] == ["20", "33"]
     view.page.mouse.click(box["x"] + 61.5 * scale, box["y"] + 12.5 * scale)
     view.page.mouse.move(5, 5)
-    view.page.wait_for_timeout(200)
+    view.page.wait_for_function("location.hash.includes('x=61&y=12')")
     assert [view.page.input_value(f"input[name={axis}]") for axis in "xy"] == ["61", "12"]
-    assert "x=61&y=12" in view.page.url
 
 
 def test_arrows_step_the_inspected_pixel(tree: Path, opened: Opener) -> None:
@@ -132,7 +131,7 @@ def test_arrows_step_the_inspected_pixel(tree: Path, opened: Opener) -> None:
     view.page.focus(".viewer__panels")
     for key in ("ArrowRight", "ArrowRight", "ArrowUp", "Shift+ArrowDown"):
         view.page.keyboard.press(key)
-    view.page.wait_for_timeout(80)
+    view.drawn()
     assert [view.page.input_value(f"input[name={axis}]") for axis in "xy"] == ["19", "49"]
 
 
@@ -160,10 +159,10 @@ def test_exposure_keys_move_by_half_stops_and_auto_goes_back(tree: Path, opened:
     start = float(view.page.input_value("input[name=ev]"))
     view.page.keyboard.press("]")
     view.page.keyboard.press("]")
-    view.page.wait_for_timeout(80)
+    view.drawn()
     assert float(view.page.input_value("input[name=ev]")) == pytest.approx(start + 1)
     view.page.click("[data-auto]")
-    view.page.wait_for_timeout(80)
+    view.drawn()
     assert float(view.page.input_value("input[name=ev]")) == pytest.approx(start)
 
 
@@ -201,15 +200,14 @@ def test_zoom_and_pan_move_all_pictures_together(tree: Path, opened: Opener) -> 
     box = canvas.bounding_box()
     view.page.mouse.move(box["x"] + box["width"] / 3, box["y"] + box["height"] / 3)
     for _ in range(6):
+        before = view.page.locator("output[name=zoom-out]").inner_text()
         view.page.mouse.wheel(0, -120)
-        view.page.wait_for_timeout(40)
-    view.page.wait_for_timeout(100)
-    assert view.page.locator("output[name=zoom-out]").inner_text() != "fit"
+        view.page.wait_for_function("before => document.querySelector('output[name=zoom-out]').value !== before", arg=before)
     view.page.mouse.down()
     view.page.mouse.move(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2, steps=4)
     view.page.mouse.up()
     view.page.mouse.move(5, 5)
-    view.page.wait_for_timeout(200)
+    view.drawn()
     script = "viewer => viewer.panels.map(panel => viewer.view.place(panel.canvas, panel.picture))"
     places = view.page.locator("eq-viewer").evaluate(script)
     assert len(places) == 6
@@ -222,7 +220,7 @@ def test_zoom_and_pan_move_all_pictures_together(tree: Path, opened: Opener) -> 
     }"""
     assert view.page.locator("eq-viewer").evaluate(same_pixels)
     view.page.keyboard.press("0")
-    view.page.wait_for_timeout(80)
+    view.drawn()
     assert view.page.locator("output[name=zoom-out]").inner_text() == "fit"
 
 
@@ -246,10 +244,10 @@ def test_flip_shows_the_other_picture_while_held(tree: Path, opened: Opener) -> 
     title = view.page.locator("figure.picture figcaption b")
     assert title.all_inner_texts() == ["oracle"]
     view.page.keyboard.down(" ")
-    view.page.wait_for_timeout(60)
+    view.drawn()
     assert title.all_inner_texts() == ["vtk"]
     view.page.keyboard.up(" ")
-    view.page.wait_for_timeout(60)
+    view.drawn()
     assert title.all_inner_texts() == ["oracle"]
     box = view.page.locator("[data-hold]").bounding_box()
     view.page.mouse.move(box["x"] + 5, box["y"] + 5)
@@ -278,11 +276,10 @@ def test_worst_link_goes_to_the_worst_pixel_and_zooms_in(tree: Path, opened: Ope
     view.settled()
     worst = json.loads((tree / "cases" / CLAMPED / "pairs" / "vtk--povray.json").read_text())["worst"]
     view.page.click(f"article[data-pair=vtk--povray] a:has-text('worst pixel ({worst['x']}, {worst['y']})')")
-    view.page.wait_for_timeout(250)
+    view.page.wait_for_function(f"location.hash.includes('x={worst['x']}&y={worst['y']}')")
     assert [int(view.page.input_value(f"input[name={axis}]")) for axis in "xy"] == [worst["x"], worst["y"]]
     assert view.page.input_value("select[name=pair]") == "vtk--povray"
     assert view.page.locator("output[name=zoom-out]").inner_text() == "×16"
-    assert f"x={worst['x']}&y={worst['y']}" in view.page.url
 
 
 @pytest.mark.parametrize("case", [CLAMPED, "three-bands", "broken-floor"])
@@ -319,7 +316,7 @@ def test_state_survives_a_reload(tree: Path, opened: Opener) -> None:
     view.page.select_option("select[name=map]", "log")
     view.page.select_option("select[name=band]", "B")
     view.page.check("input[name=mode][value=wipe]", force=True)
-    view.page.wait_for_timeout(300)
+    view.page.wait_for_function("['mode=wipe', 'map=log', 'band=B'].every(part => location.hash.includes(part))")
     view.page.reload()
     view.settled()
     assert view.page.input_value("select[name=map]") == "log"
@@ -334,7 +331,7 @@ def test_only_what_is_looked_at_is_loaded(tree: Path, opened: Opener) -> None:
     against_truth = {"povray--oracle.js", "reference--oracle.js", "vtk--oracle.js"}
     assert loaded == {"oracle.js", "povray.js", "reference.js", "vtk.js", *against_truth}
     view.page.select_option("select[name=pair]", "vtk--povray")
-    view.page.wait_for_timeout(200)
+    view.page.wait_for_function("document.querySelector('.inspector__classes').dataset.pair === 'vtk--povray'")
     assert any("vtk--povray.js" in url for url in view.requests)
 
 
