@@ -18,9 +18,9 @@ IMAGE = "image.npy"
 
 def render(program: Program, program_dir: Path, workdir: Path, limits: Limits, knobs: VtkKnobs) -> RawRender:
     """Execute the saved script itself. Raises RendererFailed with what VTK said."""
-    seconds = {"start": _start()}
-    before = time.perf_counter()
     try:
+        seconds = {"start": _start()}
+        before = time.perf_counter()
         image, capabilities = runpy.run_path(str(program_dir / program.entry), run_name="scene")["picture"]()
     except Exception as error:
         raise RendererFailed(f"{program.entry}: {type(error).__name__}: {error}") from error

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import sys
 import textwrap
 from collections.abc import Iterable
 from dataclasses import dataclass, field
@@ -80,11 +81,19 @@ def kit_source(names: Iterable[str]) -> tuple[str, str]:
 
 
 def _import_lines(imports: dict[str, str]) -> str:
-    plain = sorted(where for where in imports.values() if where.startswith("import "))
+    """Import statements for name → module (or whole statement): the standard library first."""
     by_module: dict[str, list[str]] = {}
+    lines = {where for where in imports.values() if where.startswith("import ")}
     for name, module in imports.items():
-        if not module.startswith("import "):
+        if module not in lines:
             by_module.setdefault(module, []).append(name)
-    lines = [f"from {module} import {', '.join(sorted(names))}" for module, names in sorted(by_module.items())]
-    standard = [line for line in lines if not line.startswith("from vtk")]
-    return "\n".join([*standard, "", *plain, *(line for line in lines if line.startswith("from vtk"))])
+    lines |= {_from_import(module, sorted(names)) for module, names in by_module.items()}
+    standard, others = [], []
+    for line in sorted(lines, key=lambda line: line.split()[1]):
+        (standard if line.split()[1].partition(".")[0] in sys.stdlib_module_names else others).append(line)
+    return "\n".join([*standard, "", *others])
+
+
+def _from_import(module: str, names: list[str]) -> str:
+    line = f"from {module} import {', '.join(names)}"
+    return line if len(line) <= 120 else "\n".join([f"from {module} import (", *(f"    {name}," for name in names), ")"])

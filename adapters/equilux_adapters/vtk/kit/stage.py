@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 from typing import Any
 
 import numpy as np
@@ -101,7 +102,12 @@ def actor(mesh: Mesh, surface: vtkProperty) -> vtkActor:
 
 def offscreen_window(width: int, height: int) -> Any:
     """A window that needs no display: software OSMesa where there is one, else EGL without a surface."""
-    for kind in (vtkOSOpenGLRenderWindow, vtkEGLRenderWindow):
+    for kind, names in (
+        (vtkOSOpenGLRenderWindow, ("libOSMesa.so.8", "libOSMesa.so.6", "libOSMesa.so")),
+        (vtkEGLRenderWindow, ("libEGL.so.1", "libEGL.so")),
+    ):
+        if not any(loadable(name) for name in names):
+            continue
         window = kind()
         window.SetOffScreenRendering(True)
         window.SetMultiSamples(0)  # one sample, at the pixel's centre
@@ -109,7 +115,16 @@ def offscreen_window(width: int, height: int) -> Any:
         window.Initialize()
         if window.GetInitialized():
             return window
-    raise RuntimeError("no OpenGL context: neither OSMesa (libOSMesa) nor EGL (libEGL) could be started")
+    raise RuntimeError("no OpenGL without a display: neither OSMesa (libOSMesa.so.8) nor EGL (libEGL.so.1) could be started")
+
+
+def loadable(name: str) -> bool:
+    """Whether a shared library is there. VTK crashes on a missing libEGL."""
+    try:
+        ctypes.CDLL(name)
+    except OSError:
+        return False
+    return True
 
 
 def float_radiance() -> vtkFramebufferPass:
