@@ -88,8 +88,9 @@ def _import_lines(imports: dict[str, str]) -> str:
         if module not in lines:
             by_module.setdefault(module, []).append(name)
     lines |= {_from_import(module, sorted(names)) for module, names in by_module.items()}
-    standard, others = [], []
-    for line in sorted(lines, key=lambda line: line.split()[1]):
+    standard: list[str] = []
+    others: list[str] = []
+    for line in sorted(lines, key=lambda line: (line.startswith("from "), line.split()[1])):
         (standard if line.split()[1].partition(".")[0] in sys.stdlib_module_names else others).append(line)
     return "\n".join([*standard, "", *others])
 

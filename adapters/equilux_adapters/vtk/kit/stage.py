@@ -48,7 +48,7 @@ def point_light(view: View, position: Array, intensity: Array, attenuation: Arra
     light.SetLightTypeToSceneLight()
     light.SetPositional(True)
     light.SetPosition(*(np.asarray(position, dtype=float) - view.eye))
-    light.SetConeAngle(180)  # not a spot: the default is a cone of 30°
+    light.SetConeAngle(180)  # not a spot: the default is a cone of 30° (Q8)
     light.SetColor(*intensity)
     light.SetAttenuationValues(*attenuation)
     return light
@@ -86,12 +86,12 @@ def actor(mesh: Mesh, surface: vtkProperty) -> vtkActor:
     cells.SetData(3, vtk_array(mesh.triangles.ravel(), np.int64))
     data.SetPoints(points)
     data.SetPolys(cells)
-    # one normal per triangle where it is flat: what is interpolated loses digits on surfaces that reach far into the depth
+    # one normal per triangle where it is flat: what is interpolated loses digits far into the depth (Q14)
     normals = mesh.normals[mesh.triangles[:, 0]] if mesh.flat else mesh.normals
     attributes = data.GetCellData() if mesh.flat else data.GetPointData()
     attributes.SetNormals(vtk_array(normals, np.float32))
     mapper = vtkPolyDataMapper()
-    mapper.SetVBOShiftScaleMethod(0)  # coordinates are relative to the eye already; a shift of VTK's own loses digits near it
+    mapper.SetVBOShiftScaleMethod(0)  # a shift of VTK's own loses digits near the eye (Q13)
     mapper.SetInputData(data)
     result = vtkActor()
     result.SetMapper(mapper)
@@ -119,7 +119,7 @@ def offscreen_window(width: int, height: int) -> Any:
 
 
 def loadable(name: str) -> bool:
-    """Whether a shared library is there. VTK crashes on a missing libEGL."""
+    """Whether a shared library is there. VTK crashes on a missing libEGL (Q2)."""
     try:
         ctypes.CDLL(name)
     except OSError:
@@ -128,7 +128,7 @@ def loadable(name: str) -> bool:
 
 
 def float_radiance() -> vtkFramebufferPass:
-    """The frame in a texture of 32-bit floats: the window's own buffer has 8 bits and clamps at 1."""
+    """The frame in a texture of 32-bit floats: the window's own buffer has 8 bits and clamps at 1 (Q1)."""
     steps, camera, frame = vtkSequencePass(), vtkCameraPass(), vtkFramebufferPass()
     passes = vtkRenderPassCollection()
     passes.AddItem(vtkLightsPass())
@@ -153,7 +153,7 @@ def render(view: View, background: Array, lights: list[vtkLight], objects: list[
         for light in lights:
             renderer.AddLight(light)
         seen = [(in_frame(view, towards_eye(view, mesh)), surface) for mesh, surface in objects]
-        # on equal depth VTK keeps what is drawn last: the first object has to be that
+        # on equal depth VTK keeps what is drawn last: the first object has to be that (Q12)
         for mesh, surface in reversed(seen):
             if len(mesh.triangles):
                 renderer.AddActor(actor(mesh, surface))
