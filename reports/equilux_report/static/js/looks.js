@@ -1,4 +1,5 @@
-// A look says how float planes become colours. Each has a key (same key: same pixels), a colour per pixel, and a legend.
+// A look says how float planes become colours. Each has a key (same key: same pixels), a colour per pixel (or a loop that fills them
+// all), and a legend.
 const BANDS = ["R", "G", "B"];
 const LUMINANCE = [0.2126, 0.7152, 0.0722]; // Rec. 709
 
@@ -19,20 +20,23 @@ const scalar = (planes, prefix, band, signed) => {
 
 const mapped = (value, colour) => (Number.isFinite(value) ? colour(value) : eq.odd(value));
 
+// All three bands at once: a loop of its own, because this is what is drawn again while the exposure slider moves.
+const fillTone = (gain) => (planes, out) => {
+  const [r, g, b] = BANDS.map((name) => planes[name]);
+  const { packed, srgbByte } = eq;
+  for (let i = 0; i < out.length; i += 1) {
+    const isFinite = Number.isFinite(r[i] + g[i] + b[i]);
+    out[i] = isFinite ? packed(srgbByte(r[i] * gain), srgbByte(g[i] * gain), srgbByte(b[i] * gain)) : eq.odd(firstOdd([r[i], g[i], b[i]]));
+  }
+};
+
 const tone = ({ ev, band }) => {
   const gain = 2 ** ev;
   const grey = (value) => mapped(value, (v) => { const level = eq.srgbByte(v * gain); return eq.packed(level, level, level); });
   return {
     key: `tone ${ev} ${band}`,
-    pixel(planes) {
-      if (band !== "rgb") { const value = scalar(planes, "", band, false); return (i) => grey(value(i)); }
-      const [r, g, b] = BANDS.map((name) => planes[name]);
-      return (i) => {
-        const sum = r[i] + g[i] + b[i];
-        if (!Number.isFinite(sum)) { const odd = firstOdd([r[i], g[i], b[i]]); if (odd !== undefined) return eq.odd(odd); }
-        return eq.packed(eq.srgbByte(r[i] * gain), eq.srgbByte(g[i] * gain), eq.srgbByte(b[i] * gain));
-      };
-    },
+    fill: band === "rgb" ? fillTone(gain) : null,
+    pixel(planes) { const value = scalar(planes, "", band, false); return (i) => grey(value(i)); },
     legend: null,
   };
 };
@@ -83,8 +87,12 @@ eq.paint = (picture, look) => {
   const context = canvas.getContext("2d");
   const image = context.createImageData(picture.width, picture.height);
   const out = new Uint32Array(image.data.buffer);
-  const pixel = look.pixel(picture.planes);
-  for (let i = 0; i < out.length; i += 1) out[i] = pixel(i);
+  if (look.fill) {
+    look.fill(picture.planes, out);
+  } else {
+    const pixel = look.pixel(picture.planes);
+    for (let i = 0; i < out.length; i += 1) out[i] = pixel(i);
+  }
   context.putImageData(image, 0, 0);
   return canvas;
 };
