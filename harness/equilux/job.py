@@ -6,6 +6,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from pydantic import ConfigDict
+
 from equilux.adapter import Case, Limits
 
 IMAGE_FILE = "image.npy"
@@ -29,6 +31,8 @@ class Job:
 @dataclass
 class Outcome:
     """What became of a job. `status` is one of contracts §3, except `invalid`, which only the finished picture shows."""
+
+    __pydantic_config__ = ConfigDict(strict=True, extra="forbid", allow_inf_nan=False)  # a worker's word is checked
 
     status: str
     reason: str | None = None

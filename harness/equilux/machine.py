@@ -35,6 +35,13 @@ def available_cores() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else (os.cpu_count() or 1)
 
 
+def usable_memory() -> int:
+    """Bytes that one render may hold by default: 8 GiB, or four fifths of the machine's where that is less."""
+    import psutil
+
+    return int(min(8 << 30, 0.8 * psutil.virtual_memory().total))
+
+
 def describe_machine() -> dict[str, Any]:
     import psutil
 

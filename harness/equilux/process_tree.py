@@ -31,14 +31,14 @@ class Tree:
     def kill(self) -> None:
         """SIGKILL to all of them: the group at once, then whoever is outside it."""
         outsiders = {process.pid: process for process in descendants(self.root)} | self.members
-        with contextlib.suppress(psutil.NoSuchProcess):
+        with contextlib.suppress(psutil.Error):
             outsiders[self.root] = psutil.Process(self.root)
         with contextlib.suppress(ProcessLookupError, PermissionError):  # the group is already gone; outsiders may not be
             os.killpg(self.root, signal.SIGKILL)
         for process in outsiders.values():
             try:
                 process.kill()  # psutil checks the start time: a recycled pid is left alone
-            except psutil.NoSuchProcess:
+            except psutil.Error:
                 continue
 
 
@@ -46,7 +46,7 @@ def descendants(pid: int) -> list[psutil.Process]:
     try:
         found: list[psutil.Process] = psutil.Process(pid).children(recursive=True)
         return found
-    except psutil.NoSuchProcess:
+    except psutil.Error:
         return []
 
 
@@ -106,7 +106,7 @@ def _roots(processes: Iterable[psutil.Process], roots: set[int]) -> dict[int, in
     for process in processes:
         try:
             parent[process.pid] = process.ppid()
-        except psutil.NoSuchProcess:
+        except psutil.Error:
             continue
     found: dict[int, int] = {}
     for pid in parent:
@@ -121,5 +121,5 @@ def _roots(processes: Iterable[psutil.Process], roots: set[int]) -> dict[int, in
 def _resident(process: psutil.Process) -> int:
     try:
         return int(process.memory_info().rss)
-    except (psutil.NoSuchProcess, psutil.AccessDenied):
+    except psutil.Error:
         return 0

@@ -19,6 +19,8 @@ from equilux.complaint import BadUsage, nearest
 GROUP = "equilux.adapters"
 NAME_PATTERN = re.compile(r"[a-z0-9]+(?:[-_.]?[a-z0-9]+)*")
 """Names become folders and halves of `a--b`, so two hyphens in a row cannot be part of one."""
+RESERVED = ("pairs",)
+"""Names that mean something else in a case's folder."""
 
 METHODS = ("version", "probe", "capabilities", "translate", "render", "read")
 ATTRIBUTES = ("name", "api_version", "Knobs", "workers_per_core", "lack_causes")
@@ -115,6 +117,8 @@ def complaints(candidate: object, name: str) -> list[str]:
     wrong += [
         f"{method} is not callable" for method in METHODS if method not in missing and not callable(getattr(candidate, method))
     ]
+    if name in RESERVED:
+        wrong.append(f"the name '{name}' is taken by the results tree")
     if NAME_PATTERN.fullmatch(name) is None:
         wrong.append(f"the name {name!r} is not made of lower-case letters and digits joined by single '-', '_' or '.'")
     if "Knobs" not in missing and not _is_knobs_model(getattr(candidate, "Knobs")):  # noqa: B009

@@ -118,7 +118,15 @@ class _Run:
 
     def _without_rendering(self, planned: PlannedRender) -> bool:
         """Settle a render that need not be run: refused, kept from an earlier run, or in the store. False when it must be run."""
-        work, who = self._work[planned.case.name], self._provenance(planned)
+        try:
+            return self._settled(planned, self._work[planned.case.name], self._provenance(planned))
+        except Exception as problem:
+            self._fault(planned, problem)
+            if planned.action != RUN:
+                self._done(planned.case, planned.adapter, planned.action, planned.reason)
+            return planned.action != RUN
+
+    def _settled(self, planned: PlannedRender, work: CaseWork, who: Provenance) -> bool:
         if planned.action != RUN:
             work.refuse(who, planned.action, planned.reason, planned.missing_features)
             self._done(planned.case, planned.adapter, planned.action, planned.reason)
@@ -129,6 +137,10 @@ class _Run:
             self._done(planned.case, planned.adapter, work.records[planned.adapter]["status"], None)
             return True
         return False
+
+    def _fault(self, render: PlannedRender | Request, problem: Exception) -> None:
+        """Note a fault of the engine itself: it is told at the end, and the run cannot end well."""
+        self._work[render.case.name].errors.append(f"{render.case.name}: {render.adapter}: {type(problem).__name__}: {problem}")
 
     def _render(self, planned: list[PlannedRender], workers: ThreadPoolExecutor) -> None:
         wanted = {render.adapter for render in planned}
@@ -154,9 +166,9 @@ class _Run:
         work = self._work[request.case.name]
         try:
             status = work.settle(who, outcome, folder, compare_too=self._stopped_by is None)
-        except OSError as problem:  # a full disk must not pass for a finished render
+        except Exception as problem:  # a full disk, a fault of ours: reported, and never taken for a finished render
             status = "failed"
-            work.errors.append(f"{request.case.name} {request.adapter}: its results cannot be written: {problem}")
+            self._fault(request, problem)
             shutil.rmtree(folder, ignore_errors=True)
         self._done(request.case, request.adapter, status, (work.records.get(request.adapter) or {}).get("reason"))
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 import ctypes
 import hashlib
 import json
+import math
 import os
 import pickle
 import resource
@@ -155,7 +156,7 @@ def _perform(adapter: Adapter, job: Job, outcome: Outcome) -> None:
     started = time.perf_counter()
     raw = _expect_type(adapter.render(program, program_folder, work_folder, job.limits, knobs), RawRender, "render()")
     spent = time.perf_counter() - started
-    seconds = {str(phase): float(value) for phase, value in raw.seconds.items()}
+    seconds = _checked_seconds(raw.seconds)
     outcome.seconds |= {"start": seconds.pop("start", 0.0), "render": seconds.pop("render", spent)} | seconds
     outcome.environment = {str(key): str(value) for key, value in raw.environment.items()}
     _write_program(program_folder, raw.program_files)
@@ -168,6 +169,14 @@ def _perform(adapter: Adapter, job: Job, outcome: Outcome) -> None:
     image = checked_image(reading.image, (film.height, film.width, 3))
     budget_file.save(budget_file.check(reading.budget, image.shape), job.folder / BUDGET_FILE)
     np.save(job.folder / IMAGE_FILE, image, allow_pickle=False)
+
+
+def _checked_seconds(given: Mapping[str, float]) -> dict[str, float]:
+    seconds = {str(phase): float(value) for phase, value in given.items()}
+    for phase, value in seconds.items():
+        if not (math.isfinite(value) and value >= 0):
+            raise BadDelivery(f"render() says that '{phase}' took {value} s, expected a finite number of at least 0")
+    return seconds
 
 
 def _expect_type(got: object, expected: type[T], who: str) -> T:

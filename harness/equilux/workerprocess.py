@@ -7,9 +7,11 @@ import os
 import pickle
 import sys
 import time
-from dataclasses import fields, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
+
+from pydantic import TypeAdapter, ValidationError
 
 from equilux import wire
 from equilux.job import LOG_FILE, Job, Outcome
@@ -193,10 +195,15 @@ def tail(log: Path) -> str:
         return ""
 
 
+_OUTCOME = TypeAdapter(Outcome)
+
+
 def _outcome(data: Any) -> Outcome:
     """The outcome a worker stated. Raises Garbage when it is not one."""
-    known = {field.name for field in fields(Outcome)}
-    statuses = ("ok", "unsupported", "timeout", "crashed", "failed")
-    if not isinstance(data, dict) or set(data) - known or data.get("status") not in statuses:
-        raise wire.Garbage(f"not an outcome: {str(data)[:100]}")
-    return Outcome(**data)
+    try:
+        outcome: Outcome = _OUTCOME.validate_python(data)
+    except ValidationError as problem:
+        raise wire.Garbage(f"not an outcome: {problem.errors()[0]['msg']} in {str(data)[:100]}") from problem
+    if outcome.status not in ("ok", "unsupported", "timeout", "crashed", "failed"):
+        raise wire.Garbage(f"not an outcome: the status is {outcome.status[:100]!r}")
+    return outcome

@@ -27,7 +27,7 @@ def run(
     set_: Annotated[tuple[str, ...], Parameter(name="--set", negative="")] = (),
     case_filter: str | None = None,
     timeout: float = 120.0,
-    memory: float = 8192.0,
+    memory: float | None = None,
     fail_fast: Flag = False,
     plan: Flag = False,
     reuse: Annotated[bool, Parameter(name="--reuse")] = True,
@@ -59,7 +59,7 @@ def run(
     timeout
         Seconds that one render may take.
     memory
-        MiB that one render may hold resident, with everything it started.
+        MiB that one render may hold resident, with everything it started; none: 8192, or four fifths of the machine's memory.
     fail_fast
         Stop at the first failure or unexpected divergence.
     plan
@@ -78,7 +78,8 @@ def run(
         Print results.json (with --plan: the plan; on bad specs: the list of errors) to stdout.
     """
     inputs.above_zero("--timeout", timeout, "seconds")
-    inputs.above_zero("--memory", memory, "MiB")
+    if memory is not None:
+        inputs.above_zero("--memory", memory, "MiB")
     if jobs is not None:
         inputs.at_least_one("--jobs", jobs)
     _check_flip(flip)
@@ -93,8 +94,11 @@ def run(
     from equilux.run import INTERRUPTED
 
     finished = _execute(planned, out, jobs, timeout, memory, reuse=reuse, fail_fast=fail_fast, flip=flip)
-    page = _report(out) if html and finished.exit_code != INTERRUPTED else None
-    return _tell(finished, out, page, as_json=json)
+    _tell(finished, out, as_json=json)
+    if html and finished.exit_code != INTERRUPTED:
+        page = _report(out)
+        (sys.stderr if json else sys.stdout).write(f"report: {shown(page)}\n")
+    return finished.exit_code
 
 
 def _check_flip(flip: bool) -> None:
@@ -142,11 +146,11 @@ def _show_plan(plan: Plan, *, as_json: bool) -> int:
 
 
 def _execute(
-    plan: Plan, out: Path, jobs: int | None, timeout: float, memory: float, *, reuse: bool, fail_fast: bool, flip: bool
+    plan: Plan, out: Path, jobs: int | None, timeout: float, memory: float | None, *, reuse: bool, fail_fast: bool, flip: bool
 ) -> Finished:
     from equilux import progress
     from equilux.adapter import Limits
-    from equilux.machine import available_cores
+    from equilux.machine import available_cores, usable_memory
     from equilux.reuse import Store, default_root
     from equilux.run import Options, execute
 
@@ -154,7 +158,7 @@ def _execute(
     options = Options(
         out=out,
         jobs=jobs or available_cores(),
-        limits=Limits(timeout, int(memory * 2**20)),
+        limits=Limits(timeout, usable_memory() if memory is None else int(memory * 2**20)),
         reuse=reuse,
         store=store,
         fail_fast=fail_fast,
@@ -173,7 +177,7 @@ def _report(out: Path) -> Path:
     return build(out)
 
 
-def _tell(finished: Finished, out: Path, page: Path | None, *, as_json: bool) -> int:
+def _tell(finished: Finished, out: Path, *, as_json: bool) -> None:
     from equilux.cli.summary import summary
 
     for error in finished.errors:
@@ -183,6 +187,4 @@ def _tell(finished: Finished, out: Path, page: Path | None, *, as_json: bool) ->
     else:
         sys.stdout.write(summary(finished.results))
         sys.stdout.write(f"results: {out / 'results.json'}\n")
-        if page is not None:
-            sys.stdout.write(f"report: {shown(page)}\n")
-    return finished.exit_code
+    sys.stdout.flush()

@@ -237,6 +237,11 @@ class _NoProgram(Fake):
         return None
 
 
+class _Timeless(Fake):
+    def render(self, program: Program, program_dir: Path, workdir: Path, limits: Limits, knobs: Any) -> RawRender:
+        return RawRender({}, {"render": float("nan")})
+
+
 class _CannotTell(Fake):
     def version(self) -> str:
         raise RuntimeError("no version")
@@ -292,6 +297,7 @@ ADAPTERS: dict[str, Fake] = {
         _Untranslatable("untranslatable"),
         _Escaping("escaping"),
         _NoProgram("programless"),
+        _Timeless("timeless"),
         _CannotTell("speechless"),
     )
 }

@@ -73,6 +73,7 @@ EXPECTED = {
     "failing": ("failed", "parse error in line 3", 1),
     "escaping": ("failed", "'../../escaped.txt', expected a path inside the program's folder", 1),
     "programless": ("failed", "translate() returned NoneType, expected equilux.adapter.Program", 1),
+    "timeless": ("failed", "'render' took nan s, expected a finite number of at least 0", 1),
     "speechless": ("failed", "capabilities() raised KeyError: 'which?'", 0),
 }
 

@@ -79,6 +79,10 @@ def test_an_unknown_adapter_is_answered_with_the_known_and_the_nearest():
     assert problem.value.lines == ("--adapters: unknown adapter 'god'; installed are good, slow (did you mean 'good'?)",)
 
 
+def test_a_name_that_the_results_tree_uses_itself_cannot_be_an_adapter():
+    assert "the name 'pairs' is taken by the results tree" in str(entry("pairs", "fake_laboratories:good").error)
+
+
 def test_a_name_with_two_hyphens_cannot_be_an_adapter():
     found = entry("go--od", "fake_laboratories:good")
     assert "joined by single '-', '_' or '.'" in str(found.error)
