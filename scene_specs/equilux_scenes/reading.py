@@ -9,28 +9,24 @@ Parts are remembered by node: the cases of a sweep share every part that the swe
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
-from functools import cache
-from types import SimpleNamespace, UnionType
-from typing import Annotated, Any, Final, Literal, Union, get_args, get_origin
+from types import SimpleNamespace
+from typing import Any, Final, get_args
 
-from pydantic import ConfigDict, TypeAdapter, ValidationError
+from pydantic import ValidationError
 from pydantic.fields import FieldInfo
 
 from equilux_scenes.checks import Context, Problem, checks_of
 from equilux_scenes.errors import SpecError, SpecErrors, hint, number_text, shortened
+from equilux_scenes.kinds import Kind, Leaf, Many, PartOf, fields_of
 from equilux_scenes.later import KINDS_OF_LATER_VERSIONS, TERMS_OF_LATER_VERSIONS
 from equilux_scenes.limits import exceeded
 from equilux_scenes.mesh import MeshError, TriangleMesh, triangle_areas
 from equilux_scenes.model import LIGHTING_MODELS, Mesh, Part, Scene
 from equilux_scenes.shown import label, owner, shown
-from equilux_scenes.values import Allowed, OnlyIn
-from equilux_scenes.yaml_tree import ListNode, MapNode, Node, Place, ScalarNode, YamlText, plain
+from equilux_scenes.values import OnlyIn
+from equilux_scenes.yaml_tree import ListNode, MapNode, Node, Place, ScalarNode, YamlText, plain, walk
 
 Path = tuple[str | int, ...]
-
-_STRICT = ConfigDict(strict=True, allow_inf_nan=False)
 
 
 class Invalid:
@@ -38,39 +34,6 @@ class Invalid:
 
 
 INVALID: Final = Invalid()
-
-
-@dataclass(frozen=True)
-class _Leaf:
-    """A value that pydantic validates as a whole."""
-
-    adapter: TypeAdapter[Any]
-    allowed: Allowed
-    words: tuple[str, ...] = ()  # of a value that is one of several words
-
-
-@dataclass(frozen=True)
-class _PartOf:
-    """One of several parts, told apart by the key `discriminator`; or just one part."""
-
-    classes: tuple[type[Part], ...]
-    discriminator: str | None = None
-
-    def tags(self) -> dict[str, type[Part]]:
-        """Value of the discriminator → part."""
-        assert self.discriminator is not None
-        return {get_args(cls.model_fields[self.discriminator].annotation)[0]: cls for cls in self.classes}
-
-
-@dataclass(frozen=True)
-class _Many:
-    """A list of parts, or a mapping from names to parts."""
-
-    container: Literal["list", "mapping"]
-    of: _PartOf
-
-
-_Kind = _Leaf | _PartOf | _Many
 
 
 class Reader:
@@ -89,7 +52,7 @@ class Reader:
         """The typed scene, or None with its errors collected."""
         model = root.entries.get("model") if isinstance(root, MapNode) else None
         self.context.model = model.value if isinstance(model, ScalarNode) and isinstance(model.value, str) else None
-        scene = self._part(_PartOf((Scene,)), root, ())
+        scene = self._part(PartOf((Scene,)), root, ())
         return scene if isinstance(scene, Scene) else None
 
     def meshes(self, scene: Scene) -> dict[int, TriangleMesh]:
@@ -110,21 +73,21 @@ class Reader:
 
     # --- values ---------------------------------------------------------------------------------------------------
 
-    def _value(self, kind: _Kind, node: Node, path: Path) -> Any:
+    def _value(self, kind: Kind, node: Node, path: Path) -> Any:
         key = (id(node), id(kind))
         if key not in self._remembered:
             # the node is kept, so that its id stays its own
             self._remembered[key] = (node, self._read(kind, node, path))
         return self._remembered[key][1]
 
-    def _read(self, kind: _Kind, node: Node, path: Path) -> Any:
-        if isinstance(kind, _Leaf):
+    def _read(self, kind: Kind, node: Node, path: Path) -> Any:
+        if isinstance(kind, Leaf):
             return self._leaf(kind, node, path)
-        if isinstance(kind, _PartOf):
+        if isinstance(kind, PartOf):
             return self._part(kind, node, path)
         return self._list(kind, node, path) if kind.container == "list" else self._mapping(kind, node, path)
 
-    def _leaf(self, leaf: _Leaf, node: Node, path: Path) -> Any:
+    def _leaf(self, leaf: Leaf, node: Node, path: Path) -> Any:
         try:
             return leaf.adapter.validate_python(plain(node))
         except ValidationError as failed:
@@ -161,7 +124,7 @@ class Reader:
 
     # --- lists and mappings of parts ----------------------------------------------------------------------------
 
-    def _list(self, many: _Many, node: Node, path: Path) -> Any:
+    def _list(self, many: Many, node: Node, path: Path) -> Any:
         if not isinstance(node, ListNode):
             self._not_allowed(node, path, "a list")
             return INVALID
@@ -170,7 +133,7 @@ class Reader:
         items = [self._value(many.of, item, (*path, index)) for index, item in enumerate(node.items)]
         return INVALID if any(item is INVALID for item in items) else tuple(items)
 
-    def _mapping(self, many: _Many, node: Node, path: Path) -> Any:
+    def _mapping(self, many: Many, node: Node, path: Path) -> Any:
         if not isinstance(node, MapNode):
             self._not_allowed(node, path, "a mapping from names")
             return INVALID
@@ -188,7 +151,7 @@ class Reader:
 
     # --- parts ----------------------------------------------------------------------------------------------------
 
-    def _part(self, part: _PartOf, node: Node, path: Path) -> Any:
+    def _part(self, part: PartOf, node: Node, path: Path) -> Any:
         if not isinstance(node, MapNode):
             what = owner(path, None)
             self.error_at(node.place, f"{what}: got {shown(node)}, allowed a mapping")
@@ -199,7 +162,7 @@ class Reader:
         self.part_at[path] = cls
         return self._fields(cls, node, path)
 
-    def _class(self, part: _PartOf, node: MapNode, path: Path) -> type[Part] | None:
+    def _class(self, part: PartOf, node: MapNode, path: Path) -> type[Part] | None:
         if part.discriminator is None:
             return part.classes[0]
         tags = part.tags()
@@ -215,7 +178,7 @@ class Reader:
         )
         return None
 
-    def _no_discriminator(self, part: _PartOf, node: MapNode, path: Path) -> None:
+    def _no_discriminator(self, part: PartOf, node: MapNode, path: Path) -> None:
         """Without it no other key can be judged, but it may be there misspelt."""
         assert part.discriminator is not None
         known = {name for cls in part.classes for name in cls.model_fields}
@@ -246,7 +209,7 @@ class Reader:
             self._meshes[id(part)] = mesh
         return part
 
-    def _field(self, name: str, kind: _Kind, field: FieldInfo, node: MapNode, path: Path) -> Any:
+    def _field(self, name: str, kind: Kind, field: FieldInfo, node: MapNode, path: Path) -> Any:
         child = node.entries.get(name)
         if child is None:
             if not field.is_required():
@@ -307,73 +270,16 @@ class Reader:
         return None
 
 
-# --- what the types say ---------------------------------------------------------------------------------------------
-
-
-@cache
-def fields_of(cls: type[Part]) -> tuple[tuple[str, _Kind, FieldInfo], ...]:
-    """Name, kind of value and declaration of each field."""
-    return tuple(
-        (name, _kind(field.annotation, tuple(field.metadata), field.discriminator), field)
-        for name, field in cls.model_fields.items()
-    )
-
-
-def _kind(annotation: Any, metadata: tuple[Any, ...], discriminator: Any) -> _Kind:
-    origin, arguments = get_origin(annotation), get_args(annotation)
-    if origin is Annotated:
-        field = next((item for item in annotation.__metadata__ if isinstance(item, FieldInfo)), None)
-        return _kind(annotation.__origin__, annotation.__metadata__, field.discriminator if field is not None else None)
-    if origin in (Union, UnionType) and len(present := [item for item in arguments if not _is_none(item)]) == 1:
-        return _kind(present[0] if not metadata else Annotated[present[0], *metadata], (), None)
-    parts = tuple(item for item in (arguments or (annotation,)) if isinstance(item, type) and issubclass(item, Part))
-    if origin is dict:
-        return _Many("mapping", _as_part(_kind(arguments[1], (), None)))
-    if origin is tuple and len(arguments) == 2 and arguments[1] is Ellipsis and arguments[0] is not Any:
-        of = _kind(arguments[0], (), None)
-        if isinstance(of, _PartOf):
-            return _Many("list", of)
-    if parts and origin is not tuple:
-        return _PartOf(parts, discriminator)
-    adapter: TypeAdapter[Any] = TypeAdapter(Annotated[annotation, *metadata] if metadata else annotation, config=_STRICT)
-    return _Leaf(adapter, _allowed(annotation, metadata), _words(annotation))
-
-
-def _is_none(annotation: Any) -> bool:
-    """What stands for a key that is left out. Null itself is never accepted."""
-    return annotation is type(None) or (get_origin(annotation) is Annotated and annotation.__origin__ is type(None))
-
-
-def _as_part(kind: _Kind) -> _PartOf:
-    assert isinstance(kind, _PartOf)
-    return kind
-
-
-def _allowed(annotation: Any, metadata: tuple[Any, ...]) -> Allowed:
-    """The `Allowed` of a field, or of what its annotation is made of."""
-    found = next((item for item in metadata if isinstance(item, Allowed)), None)
-    if found is not None:
-        return found
-    for part in (annotation, *get_args(annotation)):
-        if get_origin(part) is Annotated:
-            return _allowed(part.__origin__, part.__metadata__)
-    return Allowed(f"{annotation}")
-
-
 def _default_words(default: Any) -> str:
     """As one would write it: equal bands as one number."""
     number = default[0] if isinstance(default, tuple) and len(set(default)) == 1 else default
     return number_text(number) if isinstance(number, int | float) else str(number)
 
 
-def _words(annotation: Any) -> tuple[str, ...]:
-    return tuple(item for item in get_args(annotation) if isinstance(item, str)) if get_origin(annotation) is Literal else ()
-
-
-def _allowed_words(kind: _Kind) -> str:
-    if isinstance(kind, _Leaf):
+def _allowed_words(kind: Kind) -> str:
+    if isinstance(kind, Leaf):
         return kind.allowed.text
-    return "a mapping" if isinstance(kind, _PartOf) or kind.container == "mapping" else "a list"
+    return "a mapping" if isinstance(kind, PartOf) or kind.container == "mapping" else "a list"
 
 
 def _word_note(words: tuple[str, ...], group: str, node: Node) -> str:
@@ -382,15 +288,3 @@ def _word_note(words: tuple[str, ...], group: str, node: Node) -> str:
         return ""
     later = {value: why for (where, value), why in KINDS_OF_LATER_VERSIONS.items() if where == group}
     return f" ({later[node.value]})" if node.value in later else hint(node.value, [*words, *later])
-
-
-def walk(node: Node, path: Sequence[str | int]) -> tuple[Node, Path]:
-    """As far along `path` as there are nodes: the last one, and the part of the path that led there."""
-    for done, key in enumerate(path):
-        if isinstance(node, MapNode) and key in node.entries:
-            node = node.entries[str(key)]
-        elif isinstance(node, ListNode) and isinstance(key, int) and key < len(node.items):
-            node = node.items[key]
-        else:
-            return node, tuple(path[:done])
-    return node, tuple(path)

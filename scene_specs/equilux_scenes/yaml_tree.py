@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 from bisect import bisect_right
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -303,3 +303,15 @@ def plain(node: Node) -> Any:
     if isinstance(node, ListNode):
         return tuple(plain(item) for item in node.items)
     return {key: plain(value) for key, value in node.entries.items()}
+
+
+def walk(node: Node, path: Sequence[str | int]) -> tuple[Node, tuple[str | int, ...]]:
+    """As far along `path` as there are nodes: the last one, and the part of the path that led there."""
+    for done, key in enumerate(path):
+        if isinstance(node, MapNode) and key in node.entries:
+            node = node.entries[str(key)]
+        elif isinstance(node, ListNode) and isinstance(key, int) and key < len(node.items):
+            node = node.items[key]
+        else:
+            return node, tuple(path[:done])
+    return node, tuple(path)
