@@ -14,7 +14,7 @@ def read(raw: RawRender, program: Program, knobs: VtkKnobs) -> Reading:
     """float32 (h, w, 3). Raises RendererFailed when the script left no such image."""
     try:
         image = np.load(raw.files[IMAGE])
-    except (OSError, ValueError) as error:
+    except (OSError, ValueError, EOFError) as error:
         raise RendererFailed(f"{IMAGE}: {error}") from error
     largest = float(np.max(np.abs(image), initial=0.0, where=np.isfinite(image)))
     return Reading(image, budget_of(program.data, largest))
