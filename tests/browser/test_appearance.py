@@ -60,8 +60,9 @@ def test_theme_button_overrides_the_system_and_is_remembered(tree: Path, opened:
 
 @pytest.mark.parametrize("width", [360, 380, 768])
 def test_narrow_windows_need_no_sideways_scrolling(tree: Path, opened: Opener, width: int) -> None:
-    for name, path in (("overview", tree / "report" / "index.html"), ("case", case_path(tree, "broken-floor"))):
-        view = opened(path, width=width, height=800, theme="dark")
+    overview, case = tree / "report" / "index.html", case_path(tree, "broken-floor")
+    for name, path, state in (("overview", overview, ""), ("pairs", overview, "pairs=all"), ("case", case, "")):
+        view = opened(path, state, width=width, height=800, theme="dark")
         if name == "case":
             view.settled()
             view.page.evaluate("document.querySelectorAll('details').forEach(details => { details.open = true; })")

@@ -43,7 +43,7 @@ def test_a_link_into_the_file_opens_that_case_at_that_pixel(single: Path, opened
     assert [view.page.input_value(f"input[name={axis}]") for axis in "xy"] == ["17", "40"]
     assert view.page.input_value("select[name=pair]") == "vtk--reference"
     view.page.keyboard.press("p")
-    view.page.wait_for_function("document.querySelector('h1').textContent === 'clay-ball[exponent=100]'")
+    view.page.wait_for_function("document.querySelector('h1')?.textContent === 'clay-ball[exponent=100]'")
     view.settled()
     assert view.console == []
 
