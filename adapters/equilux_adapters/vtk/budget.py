@@ -15,7 +15,8 @@ from equilux_scenes.model import SpotLight
 
 from equilux_adapters.vtk.bounds import U, view_of
 from equilux_adapters.vtk.bounds_flat import horizon_of
-from equilux_adapters.vtk.geometry import geometry_of, light_reach, reach_of, set_back_of
+from equilux_adapters.vtk.extent import reach_of
+from equilux_adapters.vtk.geometry import geometry_of, light_reach, set_back_of
 from equilux_adapters.vtk.knobs import VtkKnobs
 
 SNAP_PX = 1 / 256

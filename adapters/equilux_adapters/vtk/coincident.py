@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import itertools
 from collections import defaultdict
 from collections.abc import Hashable, Iterator
 
@@ -12,6 +11,8 @@ import numpy.typing as npt
 from equilux.adapter import Case
 from equilux_scenes.model import Box, Cylinder, Disc, Mesh, Object, Plane, Rectangle, Sphere
 from equilux_scenes.transforms import matrix
+
+from equilux_adapters.vtk.extent import box_around
 
 Floats = npt.NDArray[np.float64]
 
@@ -31,10 +32,20 @@ def set_backs(case: Case) -> list[int]:
             members[key].append(index)
     shared = [indices for indices in members.values() if len(indices) > 1]
     ranks = [0] * len(objects)
+    boxes = [box_around(case, index) for index in range(len(objects))]
     for index in range(len(objects)):
-        before = [ranks[other] for indices in shared if index in indices for other in indices if other < index]
-        ranks[index] = max(before, default=-1) + 1
+        before = {other for indices in shared if index in indices for other in indices if other < index}
+        ranks[index] = max((ranks[other] for other in before if _overlap(boxes[index], boxes[other])), default=-1) + 1
     return _with_planes_fixed(ranks, shared, [isinstance(obj, Plane) for obj in objects])
+
+
+def _overlap(a: tuple[Floats, Floats], b: tuple[Floats, Floats]) -> bool:
+    """Whether two boxes have more than an edge in common; that of a plane is infinite, and everything is in it."""
+    if not all(np.isfinite(bound).all() for bound in (*a, *b)):
+        return True
+    common = np.minimum(a[1], b[1]) - np.maximum(a[0], b[0])
+    least = 1e-9 * np.max(np.maximum(a[1], b[1]) - np.minimum(a[0], b[0]))
+    return bool((common >= -least).all() and (common > least).sum() >= 2)
 
 
 def _with_planes_fixed(ranks: list[int], shared: list[list[int]], is_plane: list[bool]) -> list[int]:
@@ -57,21 +68,20 @@ def _surfaces(case: Case, index: int, obj: Object) -> Iterator[Hashable]:
     placed, eye = matrix(obj), np.asarray(case.scene.camera.eye)
     size = float(np.linalg.norm(np.asarray(case.scene.camera.target) - eye))
     if isinstance(obj, Sphere):
-        yield ("sphere", *_rounded([*obj.center, obj.radius, *placed.ravel()], size))
+        yield ("sphere", *_rounded(np.array([*obj.center, obj.radius, *placed.ravel()]), size).tolist())
     if isinstance(obj, Cylinder):
         axis = np.subtract(obj.top, obj.base) / np.linalg.norm(np.subtract(obj.top, obj.base))
         foot = np.asarray(obj.base) - axis * (axis @ np.asarray(obj.base))
-        yield ("cylinder", *_rounded([*_one_way(axis), *foot, obj.radius, *placed.ravel()], size))
+        axis = axis * _one_way(axis[None])[0]
+        yield ("cylinder", *_rounded(np.array([*axis, *foot, obj.radius, *placed.ravel()]), size).tolist())
     points, normals = flats(case, index, obj)
-    if len(points) == 0:
-        return
     points = points @ placed[:3, :3].T + (placed[:3, 3] - eye)
     normals = normals @ np.linalg.inv(placed[:3, :3])
     normals = normals / np.linalg.norm(normals, axis=1, keepdims=True)
     offsets = np.einsum("ij,ij->i", points, normals) / size
-    for normal, offset in zip(normals, offsets, strict=True):
-        way = 1.0 if np.array_equal(_one_way(normal), normal) else -1.0
-        yield ("flat", *_rounded([*(way * normal), way * offset], 1.0))
+    planes = np.concatenate([normals, offsets[:, None]], axis=1) * _one_way(normals)
+    for row in np.unique(_rounded(planes, 1.0), axis=0):
+        yield ("flat", *row.tolist())
 
 
 def flats(case: Case, index: int, obj: Object) -> tuple[Floats, Floats]:
@@ -94,12 +104,13 @@ def flats(case: Case, index: int, obj: Object) -> tuple[Floats, Floats]:
     return np.zeros((0, 3)), np.zeros((0, 3))
 
 
-def _one_way(vector: Floats) -> Floats:
-    """The vector or its opposite, whichever has its first component that is not almost zero positive."""
-    first = next((c for c in vector if abs(c) > 1e-6), 1.0)
-    return vector if first > 0 else -vector
+def _one_way(vectors: Floats) -> Floats:
+    """(n, 1): ±1, the sign of each vector's first component that is not almost zero."""
+    first = np.argmax(np.abs(vectors) > 1e-6, axis=1)[:, None]
+    return np.where(np.take_along_axis(vectors, first, axis=1) < 0, -1.0, 1.0)
 
 
-def _rounded(values: list[float], size: float) -> Iterator[int]:
+def _rounded(values: Floats, size: float) -> npt.NDArray[np.int64]:
     # an offset that no scene's round numbers hit keeps equal surfaces from falling on either side of a rounding boundary
-    return itertools.islice((round(value / size / _GRID + 0.2718281828) for value in values), len(values))
+    steps: npt.NDArray[np.int64] = np.rint(np.asarray(values, dtype=np.float64) / size / _GRID + 0.2718281828).astype(np.int64)
+    return steps

@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-import math
 from typing import Any
 
 import numpy as np
 from equilux.adapter import Case
-from equilux_scenes.model import Box, Cylinder, DirectionalLight, Disc, Mesh, Rectangle, Sphere, SpotLight
+from equilux_scenes.model import Cylinder, DirectionalLight, Disc, Sphere, SpotLight
 from equilux_scenes.transforms import matrix
 
 from equilux_adapters.vtk import bounds_flat, bounds_round
-from equilux_adapters.vtk.bounds import Bounds, Floats, largest_factor, view_of
+from equilux_adapters.vtk.bounds import Bounds, largest_factor, view_of
 from equilux_adapters.vtk.coincident import set_backs
 from equilux_adapters.vtk.drawing import build
+from equilux_adapters.vtk.extent import enclosure
 from equilux_adapters.vtk.kit.clip import in_frame
 from equilux_adapters.vtk.kit.depth import set_back
 from equilux_adapters.vtk.kit.round import film_scale
@@ -66,35 +66,10 @@ def bounds_of(case: Case, view: View, index: int, knobs: VtkKnobs, reach_m: floa
 
 def _pixels_per_metre(case: Case, view: View, index: int) -> float:
     """On the film, where the object is nearest to the eye."""
-    points, around = _enclosure(case, index, case.scene.objects[index])
+    points, around = enclosure(case, index, case.scene.objects[index])
     placed = matrix(case.scene.objects[index])
     world = points @ placed[:3, :3].T + placed[:3, 3]
     return film_scale(view, None, world, around * largest_factor(placed)).large if len(points) else 0.0
-
-
-def reach_of(case: Case, index: int) -> float:
-    """How far from the eye the points of an object are, metres; inf for a plane."""
-    obj = case.scene.objects[index]
-    points, around = _enclosure(case, index, obj)
-    placed = matrix(obj)
-    away = points @ placed[:3, :3].T + (placed[:3, 3] - np.asarray(case.scene.camera.eye))
-    return float(np.max(np.linalg.norm(away, axis=1), initial=0.0)) + around * largest_factor(placed)
-
-
-def _enclosure(case: Case, index: int, obj: Any) -> tuple[Floats, float]:
-    """Points such that the object lies within their convex hull widened by a length, in object space."""
-    if isinstance(obj, Sphere | Disc):
-        return np.array([obj.center]), obj.radius
-    if isinstance(obj, Cylinder):
-        return np.array([obj.base, obj.top]), obj.radius
-    if isinstance(obj, Box):
-        return np.stack(np.meshgrid(*zip(obj.min, obj.max, strict=True)), axis=-1).reshape(-1, 3), 0.0
-    if isinstance(obj, Rectangle):
-        corner, u, v = (np.asarray(x) for x in (obj.corner, obj.edge_u, obj.edge_v))
-        return np.stack([corner, corner + u, corner + v, corner + u + v]), 0.0
-    if isinstance(obj, Mesh):
-        return case.meshes[index].vertices, 0.0
-    return np.zeros((0, 3)), math.inf
 
 
 def set_back_of(case: Case, knobs: VtkKnobs) -> dict[str, float]:
