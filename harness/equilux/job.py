@@ -32,7 +32,7 @@ class Job:
 class Outcome:
     """What became of a job. `status` is one of contracts §3, except `invalid`, which only the finished picture shows."""
 
-    __pydantic_config__ = ConfigDict(strict=True, extra="forbid", allow_inf_nan=False)  # a worker's word is checked
+    __pydantic_config__ = ConfigDict(extra="forbid", allow_inf_nan=False)  # a worker's word is checked
 
     status: str
     reason: str | None = None
