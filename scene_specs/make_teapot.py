@@ -1,8 +1,8 @@
 """Tessellates the Utah teapot from its published Bézier patches: `python scene_specs/make_teapot.py`.
 
-M. E. Newell's teapot (1975; patches as in F. Crow, "The Origins of the Teapot", IEEE CG&A 7(1), 1987), 32 bicubic patches. Most of it is
-turned on a lathe, so that a patch is a profile times an arc; handle and spout are tubes, mirrored in y. Written as binary PLY in the
-published units, y up, with the surface's own unit normals, wound counter-clockwise seen from outside.
+M. E. Newell's teapot (1975; patches as in F. Crow, "The Origins of the Teapot", IEEE CG&A 7(1), 1987), 32 bicubic patches.
+Most of it is turned on a lathe, so that a patch is a profile times an arc; handle and spout are tubes, mirrored in y. Written as
+binary PLY in the published units, y up, with the surface's own unit normals, wound counter-clockwise seen from outside.
 """
 
 from __future__ import annotations
@@ -13,11 +13,11 @@ from pathlib import Path
 import numpy as np
 
 SEGMENTS = 29
-"""Cells along each side of a patch: 2 · 29² triangles a patch, less those that vanish at the two poles: 53 592 in all."""
+"""Cells along each side of a patch: 2 · 29² triangles each, less those that vanish at the two poles: 53 592 in all."""
 
 TEAPOT = Path(__file__).parent / "equilux_scenes/corpus/showcase/teapot.ply"
 
-# Lathe profiles, four control points each: (radius, arm of the arc's tangent, height). The arm is 0.56 radius but for the lid's knob.
+# Lathe profiles, four control points each: (radius, arm of the arc's tangent, height). The arm is 0.56 radius but at the knob.
 LATHE = {
     "rim": [(1.4, 0.784, 2.4), (1.3375, 0.749, 2.53125), (1.4375, 0.805, 2.53125), (1.5, 0.84, 2.4)],
     "upper body": [(1.5, 0.84, 2.4), (1.75, 0.98, 1.875), (2.0, 1.12, 1.35), (2.0, 1.12, 0.9)],
@@ -64,7 +64,7 @@ def evaluate(net: np.ndarray, segments: int) -> tuple[np.ndarray, np.ndarray]:
     points = np.einsum("ui,vj,ijk->uvk", value, value, net)
     across = np.cross(np.einsum("ui,vj,ijk->uvk", slope, value, net), np.einsum("ui,vj,ijk->uvk", value, slope, net))
     length = np.linalg.norm(across, axis=2, keepdims=True)
-    # At a pole of the lathe one derivative vanishes; both poles lie on the axis with a horizontal tangent, so the normal is the axis.
+    # At a pole of the lathe one derivative vanishes; both lie on the axis with a horizontal tangent: the normal is the axis.
     pole = length[..., 0] < 1e-12
     normals = across / np.where(length < 1e-12, 1, length)
     normals[pole] = (0, 0, 1)

@@ -1,7 +1,7 @@
 """Ballcaster, the renderer: `python -m equilux_ballcaster.ballcaster SCENE.json PICTURE.pfm`.
 
-It stands for *your* renderer, a program that knows nothing of equilux: it reads its own scene file and writes its own picture, here a
-PFM (linear float32, bottom row first).
+It stands for *your* renderer, a program that knows nothing of equilux: it reads its own scene file and writes its own
+picture, here a PFM (linear float32, bottom row first).
 """
 
 from __future__ import annotations

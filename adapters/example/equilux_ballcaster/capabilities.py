@@ -7,6 +7,12 @@ from equilux.adapter import Capability
 CAPABILITIES = {
     feature: Capability("exact")
     for feature in (
-        "model.phong", "camera.perspective", "light.point", "attenuation.quadratic", "material.diffuse", "background", "shape.sphere",
+        "model.phong",
+        "camera.perspective",
+        "light.point",
+        "attenuation.quadratic",
+        "material.diffuse",
+        "background",
+        "shape.sphere",
     )
 }

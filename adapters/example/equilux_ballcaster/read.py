@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import numpy as np
-
 from equilux.adapter import Bound, Budget, RawRender, Reading, RendererFailed
 
-BUDGET = Budget(terms=(
-    Bound("float32 storage", "PFM holds float32: half a unit in the last place, 2^-24 of the value", rel=2.0**-24),
-    # The longest chain is some thirty roundings of 2^-53; the hit point of a ball seen at a glancing angle loses up to 1e3 of that.
-    Bound("arithmetic", "double precision, about thirty roundings, amplified where the ball is seen at a glancing angle", rel=1e-11, abs=1e-13),
-))
+BUDGET = Budget(
+    terms=(
+        Bound("float32 storage", "PFM holds float32: half a unit in the last place, 2^-24 of the value", rel=2.0**-24),
+        # The longest chain is some thirty roundings of 2^-53. The hit point of a ball that fills a thousandth of the distance
+        # to it loses up to 1e3 of that by cancellation, and E = I / r² twice as much.
+        Bound("arithmetic", "thirty roundings in double, times 1e3 lost by cancellation in the hit point", rel=1e-11, abs=1e-13),
+    )
+)
+
 
 
 def read(raw: RawRender) -> Reading:

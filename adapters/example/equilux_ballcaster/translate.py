@@ -24,7 +24,8 @@ def translate(case: Case) -> Program:
         ],
         # K_diff is a BRDF in 1/sr. A renderer that takes an albedo ρ would be given ρ = π K_diff here.
         "balls": [
-            {"center": ball.center, "radius": ball.radius, "brdf": scene.materials[ball.material].diffuse} for ball in scene.objects
+            {"center": ball.center, "radius": ball.radius, "brdf": scene.materials[ball.material].diffuse}
+            for ball in scene.objects
         ],
     }
     return Program(files={"scene.json": json.dumps(description, indent=1).encode()}, entry="scene.json")
