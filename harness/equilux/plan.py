@@ -71,17 +71,19 @@ def select_adapters(registry: Registry, names: Sequence[str] | None) -> Selectio
 
 
 def filter_cases(cases: Iterable[Case], pattern: str | None) -> tuple[Case, ...]:
-    """The cases whose name matches; `*` and `?` are wild and everything else is literal, brackets too.
-
-    Raises BadUsage when there is a pattern and nothing matches it.
-    """
+    """The cases whose name matches (`matching_names`); all of them without a pattern."""
     cases = tuple(cases)
-    if pattern is None:
+    if pattern is None or not cases:
         return cases
+    matching = set(matching_names([case.name for case in cases], pattern))
+    return tuple(case for case in cases if case.name in matching)
+
+
+def matching_names(names: Sequence[str], pattern: str) -> list[str]:
+    """The names that match; `*` and `?` are wild and everything else is literal, brackets too. Raises BadUsage when none does."""
     expression = re.compile("".join({"*": ".*", "?": "."}.get(letter, re.escape(letter)) for letter in pattern), re.DOTALL)
-    matching = tuple(case for case in cases if expression.fullmatch(case.name))
-    if not matching and cases:
-        names = [case.name for case in cases]
+    matching = [name for name in names if expression.fullmatch(name)]
+    if not matching:
         shown = ", ".join(names[:5]) + (f" and {len(names) - 5} more" if len(names) > 5 else "")
         raise BadUsage(
             f"--case-filter: '{pattern}' matches none of the {len(names)} cases ({shown}); '*' and '?' are wild, "

@@ -124,6 +124,16 @@ def test_the_report_is_built_and_its_path_printed(tiny: Path, equilux):
     assert Path("equilux-out/report/index.html").is_file()
 
 
+def test_a_report_that_would_overwrite_or_show_nothing_is_bad_usage(tiny: Path, equilux, elsewhere: Path):
+    equilux("run", tiny, "--adapters", "reference", "--no-html")
+    (elsewhere / "full").mkdir()
+    (elsewhere / "full" / "photo.jpg").write_text("mine")
+    for arguments in (["--out", "full"], ["--case-filter", "nothing"]):
+        said = equilux("report", "equilux-out", *arguments)
+        assert (said.code, said.out, said.err.count("\n")) == (2, "", 1), said
+    assert [path.name for path in (elsewhere / "full").iterdir()] == ["photo.jpg"]
+
+
 def test_an_adapter_that_cannot_be_loaded_fails_when_it_is_run(tiny: Path, equilux, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.syspath_prepend(LABORATORIES.parent / "broken_laboratories")
     said = equilux("run", tiny, "--adapters", "outdated", "--no-html")

@@ -37,8 +37,15 @@ def report(
 
     if not is_results_tree(run):
         raise BadUsage(f"'{run}' is no results tree: it has no run.json of equilux (the folder given to 'equilux run --out')")
+    if case_filter is not None:
+        from equilux.plan import matching_names
+
+        matching_names(sorted(folder.name for folder in (run / "cases").glob("*/")), case_filter)
     from equilux_report import build
 
-    page = build(run, out=out, single_file=single_file, case_filter=case_filter)
+    try:
+        page = build(run, out=out, single_file=single_file, case_filter=case_filter)
+    except OSError as problem:
+        raise BadUsage(f"the report cannot be written: {problem}") from problem
     sys.stdout.write(f"{shown(page)}\n")
     return 0

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import json
 import os
 import signal
@@ -12,7 +13,7 @@ from pathlib import Path
 
 import psutil
 import pytest
-from equilux.progress import Plain, Silent
+from equilux.progress import Plain, Silent, suitable
 from equilux.tree import read_json
 from support.engine import LABORATORIES, only_case, pair_of, run, scene
 
@@ -83,6 +84,22 @@ def test_plain_progress_is_one_unwrapped_line_per_case(capsys: pytest.CaptureFix
     plain.case_done("a: " + "x" * 300)
     plain.case_done("b: y")
     assert capsys.readouterr().err == f"[1/2] a: {'x' * 300}\n[2/2] b: y\n"
+
+
+class Screen(io.StringIO):
+    def isatty(self) -> bool:
+        return True
+
+
+def test_on_a_terminal_a_bar_moves_and_a_failure_is_a_line_of_its_own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setenv("TERM", "xterm")
+    screen = Screen()
+    assert isinstance(suitable(io.StringIO()), Plain)
+    run(tmp_path / "run", "good", "raising", progress=suitable(screen))
+    shown = screen.getvalue()
+    assert "3/3" in shown
+    assert "\x1b" in shown
+    assert "tiny: raising failed: the adapter raised ZeroDivisionError: the renderer divided by zero\n" in shown
 
 
 @pytest.mark.parametrize("cause", ["failure", "divergence"])
