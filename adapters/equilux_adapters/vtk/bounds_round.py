@@ -25,7 +25,7 @@ def of_sphere(view: View, obj: Sphere, segments: int, placed: Floats | None) -> 
     across = 2 * np.pi * np.sin(meridian.angles) / counts
     sees_back = cut_by_eye_plane(view, obj.center, obj.radius, placed) or not meridian.has_rim
     last = len(meridian.angles) - 1 if sees_back else meridian.rim
-    facets = _facets(meridian, across, last, rounding_px(view) / (obj.radius * scale.small))
+    facets = _facets(meridian, across, last, rounding_px(view) / (obj.radius * scale.smallest))
     if not meridian.has_rim:
         return _in_world(facets, 0.0, obj.radius, scale, placed)
     turn = 2 * np.pi * np.arange(64) / 64
@@ -40,9 +40,8 @@ def of_sphere(view: View, obj: Sphere, segments: int, placed: Floats | None) -> 
 
 def of_cylinder(view: View, obj: Cylinder, segments: int, placed: Floats | None) -> Bounds:
     """Bounds of a cylinder's side, and of its rims."""
-    axes, half = cylinder_division(view, obj.base, obj.top, obj.radius, segments, placed)
-    scale = film_scale(view, placed, np.stack([obj.base, obj.top]), obj.radius)
-    facets = _facets(half, np.zeros(len(half.angles)), len(half.angles) - 1, rounding_px(view) / (obj.radius * scale.small))
+    axes, half, scale = cylinder_division(view, obj.base, obj.top, obj.radius, segments, placed)
+    facets = _facets(half, np.zeros(len(half.angles)), len(half.angles) - 1, rounding_px(view) / (obj.radius * scale.smallest))
     base, top = np.asarray(obj.base), np.asarray(obj.top)
     along = base + np.linspace(0, 1, 33)[:, None] * (top - base)
     film = 0.0
@@ -51,7 +50,9 @@ def of_cylinder(view: View, obj: Cylinder, segments: int, placed: Floats | None)
         film = max(film, _film_distance(view, placed, edge, inner))
     film += _chord_px(float(np.max(np.diff(half.angles))), obj.radius * scale.large)
     # along the axis a ray goes on for as long as it is between facet and circle
-    slanted = (facets[0], facets[1] * _slant(view, axes[2], placed, along))
+    radial = obj.radius * (np.cos(half.angles)[:, None] * axes[0] + np.sin(half.angles)[:, None] * axes[1])
+    surface = np.concatenate([along + step for step in radial[:: max(1, len(radial) // 32)]])
+    slanted = (facets[0], facets[1] * _slant(view, axes[2], placed, surface))
     return _in_world(slanted, film, obj.radius, scale, placed)
 
 
@@ -114,10 +115,10 @@ def _film_distance(view: View, placed: Floats | None, edge: Floats, inner: Float
     return float(np.nanmax(distance, initial=0.0))
 
 
-def _slant(view: View, axis: Floats, placed: Floats | None, along: Floats) -> float:
-    """1 / sin of the smallest angle between a cylinder's axis and the rays that meet it, limited to 100."""
+def _slant(view: View, axis: Floats, placed: Floats | None, surface: Floats) -> float:
+    """1 / sin of the smallest angle between a cylinder's axis and the rays that meet its surface, limited to 100."""
     linear, shift = (np.eye(3), np.zeros(3)) if placed is None else (placed[:3, :3], placed[:3, 3])
     inverse = np.linalg.inv(linear)
-    rays = (inverse @ view.forward)[None] if view.parallel else along - inverse @ (view.eye - shift)
+    rays = (inverse @ view.forward)[None] if view.parallel else surface - inverse @ (view.eye - shift)
     cosine = np.max(np.abs(rays @ axis) / np.linalg.norm(rays, axis=1))
     return float(1 / math.sqrt(max(1 - min(cosine, 1.0) ** 2, 1e-4)))

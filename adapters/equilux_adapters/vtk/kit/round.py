@@ -27,9 +27,11 @@ CHORD_PX = 1 / 64
 class Scale:
     """Size on the film of one unit of length in object space, in pixels: where and along which it is smallest, and largest.
 
-    stretch: the transform's largest factor by its smallest.
+    small: like the smallest, but at no more than four times the nearest depth: no division serves both ends of what reaches over
+    more. stretch: the transform's largest factor by its smallest.
     """
 
+    smallest: float
     small: float
     large: float
     stretch: float
@@ -38,19 +40,19 @@ class Scale:
 def film_scale(view: View, matrix: Array | None, points: Array, reach: float, clearance: float = 0.0) -> Scale:
     """The scale near `points` of object space, give or take `reach`; nothing of it is nearer to the eye than `clearance`.
 
-    What is nearer than a thousandth of the farthest depth counts as that, and what is more than four times as far as the
-    nearest as four times: no division serves both ends of what reaches over more.
+    What is nearer than a thousandth of the farthest depth counts as that.
     """
     linear, shift = linear_and_shift(matrix)
     factors = np.linalg.svd(linear, compute_uv=False)
     if view.parallel:
-        return Scale(view.pixels_per_unit * factors[-1], view.pixels_per_unit * factors[0], factors[0] / factors[-1])
+        least, most = view.pixels_per_unit * factors[-1], view.pixels_per_unit * factors[0]
+        return Scale(least, least, most, factors[0] / factors[-1])
     depth = (np.atleast_2d(points) @ linear.T + (shift - view.eye)) @ view.forward
     far = max(float(np.max(depth) + reach * factors[0]), 1e-300)
     oblique = np.sqrt(1 + view.half_height**2 + view.half_width**2)
     near = min(max(float(np.min(depth) - reach * factors[0]), clearance * factors[-1] / oblique, far / 1e3), far)
-    small, large = view.pixels_per_unit * factors[-1] / min(far, 4 * near), view.pixels_per_unit * factors[0] / near * oblique
-    return Scale(small, large, factors[0] / factors[-1])
+    least, most = view.pixels_per_unit * factors[-1], view.pixels_per_unit * factors[0] * oblique
+    return Scale(least / far, least / min(far, 4 * near), most / near, factors[0] / factors[-1])
 
 
 @dataclass(frozen=True)
@@ -120,7 +122,9 @@ def divide(distance: float, segments: int, radius: float, scale: Scale, largest:
 def sectors(segments: int, radius: float, scale: Scale) -> int:
     """How many equal chords keep within CHORD_PX of a circle; (192/segments)² times that at other settings."""
     allowed = CHORD_PX * (192 / segments) ** 2
-    return int(np.clip(np.ceil(np.pi * np.sqrt(radius * scale.large / 2 / allowed)), 8, 16 * segments))
+    # nor so many that the sides become slivers where they are far away
+    most = min(16.0 * segments, 16 * np.pi * radius * np.sqrt(scale.small * scale.smallest))
+    return max(8, int(min(np.ceil(np.pi * np.sqrt(radius * scale.large / 2 / allowed)), most)))
 
 
 def axes_towards(direction: Array) -> Array:

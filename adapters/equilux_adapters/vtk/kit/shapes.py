@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import Any
 
@@ -9,7 +10,7 @@ import numpy as np
 
 from equilux_adapters.vtk.kit.clip import only_inside
 from equilux_adapters.vtk.kit.facing import is_watertight
-from equilux_adapters.vtk.kit.round import Round, axes_towards, divide, eye_in_object, film_scale, sectors, sphere_division
+from equilux_adapters.vtk.kit.round import Round, Scale, axes_towards, divide, eye_in_object, film_scale, sectors, sphere_division
 from equilux_adapters.vtk.kit.view import Mesh, View, linear_and_shift, mapped, place
 
 Array = Any
@@ -64,25 +65,28 @@ def cut_by_eye_plane(view: View, center: Array, radius: float, matrix: Array | N
 
 def cylinder_division(
     view: View, base: Array, top: Array, radius: float, segments: int, matrix: Array | None
-) -> tuple[Array, Round]:
-    """Axes (w along the cylinder, u towards the eye) and the division of half its circumference."""
+) -> tuple[Array, Round, Scale]:
+    """Axes (w along the cylinder, u towards the eye), the division of half its circumference, and the scale it is made for."""
     base, top = np.asarray(base, dtype=float), np.asarray(top, dtype=float)
     u, v, w = axes_towards(top - base)
     eye, against = eye_in_object(view, matrix)
     towards = against if view.parallel else eye - base
+    along, beside = float((eye - base) @ w), float(np.linalg.norm(np.cross(eye - base, w)))
+    beyond = max(-along, along - float(np.linalg.norm(top - base)), 0.0)
+    clearance = math.hypot(beside - radius, beyond)
     aside = np.array([towards @ u, towards @ v])
     if np.linalg.norm(aside) > 1e-9 * np.linalg.norm(towards):
         u, v = (aside[0] * u + aside[1] * v) / np.linalg.norm(aside), (aside[0] * v - aside[1] * u) / np.linalg.norm(aside)
-    scale = film_scale(view, matrix, np.stack([base, top]), radius)
+    scale = film_scale(view, matrix, np.stack([base, top]), radius, clearance)
     distance = np.inf if view.parallel else float(np.linalg.norm(aside)) / radius
-    return np.stack([u, v, w]), divide(distance, segments, radius, scale, 2 * np.pi / sectors(segments, radius, scale))
+    return np.stack([u, v, w]), divide(distance, segments, radius, scale, 2 * np.pi / sectors(segments, radius, scale)), scale
 
 
 def cylinder(
     view: View, base: Array, top: Array, radius: float, capped: bool, segments: int, matrix: Array | None = None
 ) -> Mesh:
     """Side with radial normals, and caps that share its rim."""
-    axes, half = cylinder_division(view, base, top, radius, segments, matrix)
+    axes, half, _ = cylinder_division(view, base, top, radius, segments, matrix)
     turn = np.concatenate([half.angles, -half.angles[-2:0:-1]])
     count = len(turn)
     radial = np.cos(turn)[:, None] * axes[0] + np.sin(turn)[:, None] * axes[1]
@@ -94,24 +98,31 @@ def cylinder(
     points, normals = [low, high], [radial, radial]
     triangles = [np.stack([j, following, count + following], axis=1), np.stack([j, count + following, count + j], axis=1)]
     if capped:
-        for end, rim, normal in ((base, low, -axes[2]), (top, high, axes[2])):
-            start = sum(map(len, points))
-            points += [rim, np.asarray(end, dtype=float)[None]]
-            normals.append(np.tile(normal, (count + 1, 1)))
-            fan = np.stack([np.full(count, start + count), start + j, start + following], axis=1)
-            triangles.append(fan if end is top else fan[:, ::-1])
+        for start, rim, normal in ((2 * count, low, -axes[2]), (3 * count, high, axes[2])):
+            points.append(rim)
+            normals.append(np.tile(normal, (count, 1)))
+            cap = start + polygon(count)
+            triangles.append(cap if rim is high else cap[:, ::-1])
     return place(view, np.concatenate(points), np.concatenate(normals), np.concatenate(triangles), matrix, closed=capped)
 
 
+def polygon(count: int) -> Array:
+    """Triangles of a convex polygon: cut off every other corner, until three are left. Slivers lie along the rim only."""
+    corners, triangles = np.arange(count), []
+    while len(corners) >= 3:
+        every = np.arange(0, len(corners) - 1, 2)
+        triangles.append(np.stack([corners[every], corners[every + 1], corners[(every + 2) % len(corners)]], axis=1))
+        corners = np.delete(corners, every + 1)
+    return np.concatenate(triangles)
+
+
 def disc(view: View, center: Array, normal: Array, radius: float, segments: int, matrix: Array | None = None) -> Mesh:
-    """A fan of equal sectors."""
+    """A polygon of equal sides."""
     axes = axes_towards(normal)
     count = sectors(segments, radius, film_scale(view, matrix, np.asarray(center, dtype=float), radius))
     turn = 2 * np.pi * np.arange(count) / count
     rim = np.asarray(center, dtype=float) + radius * (np.cos(turn)[:, None] * axes[0] + np.sin(turn)[:, None] * axes[1])
-    j = np.arange(count)
-    triangles = np.stack([np.full(count, count), j, (j + 1) % count], axis=1)
-    return place(view, np.concatenate([rim, [center]]), np.tile(axes[2], (count + 1, 1)), triangles, matrix, flat=True)
+    return place(view, rim, np.tile(axes[2], (count, 1)), polygon(count), matrix, flat=True)
 
 
 def rectangle(view: View, corner: Array, edge_u: Array, edge_v: Array, matrix: Array | None = None) -> Mesh:
