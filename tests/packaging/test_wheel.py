@@ -88,7 +88,9 @@ def test_a_third_partys_adapter_installed_beside_equilux_is_listed_and_agrees_wi
     listed = json.loads(run(environment / "bin/equilux", "adapters", "list", "--json", cwd=tmp_path).stdout)
     assert "ballcaster" in json.dumps(listed)
     out = tmp_path / "run"
-    run(environment / "bin/equilux", "run", "--adapters", "ballcaster", "--no-html", "--out", out, cwd=tmp_path,
+    (corpus,) = environment.glob("lib/python*/site-packages/equilux_scenes/corpus")
+    scenes = [corpus / "materials/diffuse-only.scene.yaml", corpus / "lights/clay-ball.scene.yaml"]
+    run(environment / "bin/equilux", "run", *scenes, "--adapters", "ballcaster", "--no-html", "--out", out, cwd=tmp_path,
         EQUILUX_CACHE=str(tmp_path / "cache"))
     cases = {case["case"]: case for case in json.loads((out / "results.json").read_text())["cases"]}
     lambert = cases["diffuse-only"]
