@@ -52,9 +52,11 @@ def compare(
 ) -> Scores:
     """Compare two C-contiguous (h, w, 3) images, float32 or float64 each.
 
-    A side's bound is abs + rel |L| + per_pixel, of its own L; a pair's is B = bound_a + bound_b + coverage_factor √(σ_a² + σ_b²); a band
-    agrees when |a − b| ≤ B, and E_n = (a − b)/B (ISO 13528), 0 where a = b whatever B is. A pixel has its worst band's class. `edge` excuses
-    pixels that would diverge. `difference` and `normalised_error`, (h, w, 3), are written where given: a − b, and E_n (NaN where a
-    or b is not finite; |E_n| ≤ 1 exactly where the band agrees). `en_edges` ascend by an eighth each at least. The result does not depend on `threads` (0: all). Raises ValueError on shapes that do not match, and on
-    bounds that are negative or not finite where both radiances are finite.
+    A side's bound is abs + rel |L| + per_pixel, of its own L; a pair's is B = bound_a + bound_b + coverage_factor
+    √(σ_a² + σ_b²); a band agrees when |a − b| ≤ B, and E_n = (a − b)/B (ISO 13528), 0 where a = b whatever B is. A
+    pixel has its worst band's class. `edge` excuses pixels that would diverge. `difference` and `normalised_error`, (h,
+    w, 3), are written where given: a − b, and E_n (NaN where a or b is not finite; |E_n| ≤ 1 exactly where the band
+    agrees). `en_edges` ascend by an eighth each at least. The result does not depend on `threads` (0: all). Raises
+    ValueError on shapes that do not match, and on bounds that are negative or not finite where both radiances are
+    finite.
     """

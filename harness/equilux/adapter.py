@@ -14,10 +14,10 @@ from typing import Any, ClassVar, Literal, Protocol, runtime_checkable
 
 import numpy as np
 import numpy.typing as npt
-from equilux_scenes.case import Case
 from pydantic import BaseModel, ConfigDict
 
 from equilux.budget import Bound, Budget, Geometric, Sampled
+from equilux_scenes.case import Case
 
 API_VERSION = 1
 

@@ -9,10 +9,9 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from equilux_scenes.model import Expectation
-
 from equilux.adapter import Case
 from equilux.trust import truth_among
+from equilux_scenes.model import Expectation
 
 DELIVERED = ("ok", "invalid")
 """Statuses of renders that brought a picture."""

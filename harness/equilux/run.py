@@ -16,8 +16,6 @@ from pathlib import Path
 from types import FrameType
 from typing import Any
 
-from equilux_scenes.loader import corpus_folder
-
 from equilux import machine
 from equilux.adapter import Case, Limits
 from equilux.casework import CaseWork, Provenance
@@ -40,6 +38,7 @@ from equilux.results import (
 from equilux.reuse import Store
 from equilux.tree import RUN_SCHEMA, Tree, write_json
 from equilux.workerstart import shared_nursery
+from equilux_scenes.loader import corpus_folder
 
 INTERRUPTED = 130
 JUDGEMENT_WORDS = {

@@ -10,10 +10,10 @@ import sys
 from pathlib import Path
 
 import numpy as np
-from equilux_scenes.case import Case
-from equilux_scenes.model import Scene
 
 from equilux_oracle.picture import radiance_with_bound
+from equilux_scenes.case import Case
+from equilux_scenes.model import Scene
 
 
 def main(arguments: list[str]) -> int:

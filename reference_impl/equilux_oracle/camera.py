@@ -14,10 +14,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from equilux_scenes.model import Film, OrthographicCamera, PerspectiveCamera
 
 from equilux_oracle.constants import tan_half_angle
 from equilux_oracle.doubledouble import DD, Array, Index, cross, direction, unit, vector
+from equilux_scenes.model import Film, OrthographicCamera, PerspectiveCamera
 
 
 @dataclass(frozen=True)

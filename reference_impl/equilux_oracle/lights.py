@@ -10,11 +10,11 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from equilux_scenes.model import Attenuation, DirectionalLight, Light, PointLight, SpotLight
 
 from equilux_oracle.constants import cos_deg
 from equilux_oracle.doubledouble import DD, Array, direction, dot, norm, unit, vector
 from equilux_oracle.shapes.crossing import each_ray
+from equilux_scenes.model import Attenuation, DirectionalLight, Light, PointLight, SpotLight
 
 
 @dataclass(frozen=True)

@@ -18,11 +18,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from equilux_scenes.model import Material
 
 from equilux_oracle.doubledouble import DD, Array, unit
 from equilux_oracle.highlight import DIRECTIONS, power_of_chord, power_of_cosine, sensitivity
 from equilux_oracle.lights import Arriving
+from equilux_scenes.model import Material
 
 UNIT_ROUNDOFF = 2.0**-53
 _SECOND_ORDER = 1.1

@@ -7,14 +7,14 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
-from equilux_scenes.case import Case
-from equilux_scenes.model import Film, Mesh, Scene
 
 from equilux_oracle.camera import film_rays
 from equilux_oracle.doubledouble import Array, dot
 from equilux_oracle.lights import arriving
 from equilux_oracle.local_formula import Shading, shade, surface
 from equilux_oracle.visibility import Body, Visible, bodies, first_seen
+from equilux_scenes.case import Case
+from equilux_scenes.model import Film, Mesh, Scene
 
 _SLICE = 8192  # rays at once: the temporaries of one double-double product then stay in a core's cache
 

@@ -11,6 +11,8 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 import mpmath
+from mpmath import mp, mpf
+
 from equilux_scenes.case import Case
 from equilux_scenes.model import (
     Box,
@@ -30,7 +32,6 @@ from equilux_scenes.model import (
     SpotLight,
 )
 from equilux_scenes.transforms import matrix
-from mpmath import mp, mpf
 
 DIGITS = 50
 

@@ -8,14 +8,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from equilux_scenes.model import Scene
-from equilux_scenes.transforms import matrix
 
 from equilux_oracle.camera import Rays
 from equilux_oracle.doubledouble import DD, Array, Bools, Index, dot, unit, where
 from equilux_oracle.placement import Placement, placement
 from equilux_oracle.shapes import Primitive, primitive_of
 from equilux_oracle.shapes.crossing import each_ray
+from equilux_scenes.model import Scene
+from equilux_scenes.transforms import matrix
 
 TIE = 2.0**-50
 """Crossings nearer to each other than this share of the distance and of the eye's coordinates are one crossing. Surfaces that a

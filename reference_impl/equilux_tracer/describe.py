@@ -23,7 +23,6 @@ from equilux_scenes.model import (
     Sphere,
 )
 from equilux_scenes.transforms import matrix
-
 from equilux_tracer import _tracer
 
 

@@ -7,8 +7,8 @@ from typing import Any, Literal
 
 import numpy as np
 import numpy.typing as npt
-from equilux_scenes.case import Case
 
+from equilux_scenes.case import Case
 from equilux_tracer import _tracer
 from equilux_tracer.channels import CHANNELS
 from equilux_tracer.describe import describe

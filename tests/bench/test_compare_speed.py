@@ -8,6 +8,7 @@ from collections.abc import Callable
 import numpy as np
 import OpenImageIO as oiio
 import pytest
+
 from equilux import _compare
 from equilux.compare import EN_EDGES
 

@@ -7,6 +7,7 @@ import shutil
 from pathlib import Path
 
 import pytest
+
 from browser.conftest import Opener, case_path
 from browser.fake_tree import FakeCase, Sphere, write_tree
 from equilux_report import build

@@ -10,8 +10,9 @@ import numpy as np
 import numpy.typing as npt
 import OpenImageIO as oiio
 import pytest
-from browser.conftest import Opened, Opener, case_path
 from playwright.sync_api import Page
+
+from browser.conftest import Opened, Opener, case_path
 
 pytestmark = pytest.mark.browser
 

@@ -6,6 +6,7 @@ import json
 from pathlib import Path
 
 import pytest
+
 from browser.conftest import Opener
 
 pytestmark = pytest.mark.browser

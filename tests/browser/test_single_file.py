@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import OpenImageIO as oiio
 import pytest
+
 from browser.conftest import Opener
 
 pytestmark = pytest.mark.browser

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import jsonschema
 import pytest
+
 from equilux.results import json_schema
 from support.engine import LABORATORIES, write_scene
 

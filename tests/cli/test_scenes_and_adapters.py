@@ -6,6 +6,7 @@ import json
 from pathlib import Path
 
 import pytest
+
 from equilux_scenes.loader import load_scene_text
 from support.engine import LABORATORIES, write_scene
 

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+
 from equilux.planes import write_planes
 from equilux_oracle import radiance
 from equilux_scenes.loader import load_scene_file

@@ -8,6 +8,7 @@ import sys
 from pathlib import Path
 
 import pytest
+
 from equilux.cli import run_command
 from support.engine import LABORATORIES, write_scene
 

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+
 from equilux_scenes.features import FEATURES
 from equilux_scenes.loader import corpus_folder, load_scenes
 from equilux_tracer import Tracer

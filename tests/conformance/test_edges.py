@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 import pytest
+
 from equilux.budget import Bound, Budget, Geometric
 from equilux.compare import DIVERGE, EDGE, PairResult, RenderedImage, compare_pair
 from equilux.edges import MAXIMUM_DELTA_PX

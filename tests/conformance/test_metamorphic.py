@@ -10,12 +10,13 @@ from __future__ import annotations
 import itertools
 import math
 
-import equilux_oracle
 import numpy as np
 import pytest
-from equilux_tracer import Tracer
 from hypothesis import given, settings
 from hypothesis import strategies as st
+
+import equilux_oracle
+from equilux_tracer import Tracer
 from support.edges import on_edge
 from support.random_scenes import case_of, changed, random_spec
 from support.rearranged import (

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+
 from equilux_scenes.model import INVERSE_SQUARE
 from equilux_tracer import Tracer
 from support import plain_phong

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+
 from equilux_adapters.povray.exposures import merge
 from equilux_adapters.povray.png import read_codes
 from equilux_scenes.case import Case

@@ -6,6 +6,7 @@ import json
 
 import numpy as np
 import pytest
+
 from equilux_scenes.case import Case
 from equilux_tracer import Tracer
 from support import plain_phong

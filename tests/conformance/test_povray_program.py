@@ -11,6 +11,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+
 from equilux.adapter import Limits, RendererFailed
 from equilux_adapters.povray import ADAPTER
 from equilux_adapters.povray.png import read_codes

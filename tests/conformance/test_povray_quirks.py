@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+
 from equilux_adapters.povray.png import read_codes
 
 SIZE = 9

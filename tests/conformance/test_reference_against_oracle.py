@@ -5,9 +5,10 @@ from __future__ import annotations
 import random
 from dataclasses import dataclass
 
-import equilux_oracle
 import numpy as np
 import pytest
+
+import equilux_oracle
 from equilux_oracle.precise import evaluate_at
 from equilux_scenes.loader import corpus_folder, load_scenes
 from equilux_tracer import Tracer

@@ -10,6 +10,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+
 from equilux.uncertainty import stated
 from equilux_oracle import radiance as oracle_radiance
 from equilux_tracer import Tracer

@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 import numpy.typing as npt
+
 from equilux_tracer import Tracer
 
 LEAST_DELTA_PX = 1e-6

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
+
 from equilux_scenes.case import Case
 from equilux_scenes.transforms import matrix
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+
 from equilux.adapter import Bound, Budget, Limits, Program, RawRender
 from equilux_adapters.povray import ADAPTER
 from equilux_adapters.povray.knobs import PovrayKnobs

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+
 from equilux.adapter import Budget, Limits, Program, RawRender
 from equilux.budget import Bound, Term
 from equilux.compare import PairResult, RenderedImage, compare_pair

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from equilux.adapter import Bound, Budget, RawRender, Reading
 
+from equilux.adapter import Bound, Budget, RawRender, Reading
 from equilux_adapters.oracle.render import BOUND, RADIANCE
 
 REASON = (

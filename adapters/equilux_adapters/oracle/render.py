@@ -6,6 +6,7 @@ import time
 from pathlib import Path
 
 import numpy as np
+
 from equilux.adapter import Program, RawRender
 from equilux_oracle import radiance_with_bound
 from equilux_oracle.__main__ import case_from_json

@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import ClassVar
 
 from equilux.adapter import API_VERSION, Capability, Case, Limits, Probe, Program, RawRender, Reading
-
 from equilux_adapters.povray.capabilities import CAPABILITIES
 from equilux_adapters.povray.knobs import PovrayKnobs
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import numpy.typing as npt
+
 from equilux_scenes.case import Case
 from equilux_scenes.mesh import TriangleMesh
 from equilux_scenes.model import Box, Cylinder, Disc, Object, Plane, Rectangle, Sphere

@@ -8,12 +8,12 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
+
 from equilux.adapter import Unsupported
+from equilux_adapters.povray import distances
 from equilux_scenes.case import Case
 from equilux_scenes.model import Box, Camera, Object, PerspectiveCamera, Plane, Rectangle, Sphere
 from equilux_scenes.transforms import matrix, unit
-
-from equilux_adapters.povray import distances
 
 Vector = npt.NDArray[np.float64]
 

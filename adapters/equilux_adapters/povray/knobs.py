@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from equilux.adapter import Knobs
 from pydantic import Field
+
+from equilux.adapter import Knobs
 
 
 class PovrayKnobs(Knobs):

@@ -6,14 +6,14 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from equilux.adapter import Unsupported
-from equilux_scenes.case import Case
-from equilux_scenes.model import DirectionalLight, Light, SpotLight
-from equilux_scenes.transforms import unit
 
+from equilux.adapter import Unsupported
 from equilux_adapters.povray import attenuation, distances
 from equilux_adapters.povray.frame import Frame
 from equilux_adapters.povray.numbers import bands, number, vector
+from equilux_scenes.case import Case
+from equilux_scenes.model import DirectionalLight, Light, SpotLight
+from equilux_scenes.transforms import unit
 
 
 @dataclass(frozen=True)

@@ -10,9 +10,8 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
-from equilux_scenes.model import Material
-
 from equilux_adapters.povray.numbers import bands, number, vector
+from equilux_scenes.model import Material
 
 Triple = Sequence[float]
 Layer = Callable[[float, bool], str]

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
-from equilux_scenes.mesh import TriangleMesh
 
 from equilux_adapters.povray.numbers import float32_rows, integer_rows
+from equilux_scenes.mesh import TriangleMesh
 
 Floats = npt.NDArray[np.float64]
 

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import numpy as np
 import OpenImageIO as oiio
-from equilux.adapter import RendererFailed
 
+from equilux.adapter import RendererFailed
 from equilux_adapters.povray.exposures import Codes
 
 

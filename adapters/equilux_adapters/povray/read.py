@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
+
 from equilux.adapter import Bound, Budget, Geometric, Program, RawRender, Reading
 from equilux.budget import Term
-
 from equilux_adapters.povray.exposures import HALF_STEP, merge
 from equilux_adapters.povray.knobs import PovrayKnobs
 from equilux_adapters.povray.png import read_codes

@@ -13,7 +13,6 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from equilux.adapter import Limits, Program, RawRender, RendererCrashed, RendererFailed, RendererTimedOut
-
 from equilux_adapters.povray.exposures import Plan, factor
 from equilux_adapters.povray.knobs import PovrayKnobs
 from equilux_adapters.povray.png import read_codes

@@ -6,13 +6,13 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
-from equilux_scenes.mesh import TriangleMesh
-from equilux_scenes.model import Box, Cylinder, Disc, Object, Plane, Rectangle, Sphere
-from equilux_scenes.transforms import matrix, unit
 
 from equilux_adapters.povray.frame import Frame
 from equilux_adapters.povray.meshes import centre, mesh2
 from equilux_adapters.povray.numbers import matrix_modifier, number, vector
+from equilux_scenes.mesh import TriangleMesh
+from equilux_scenes.model import Box, Cylinder, Disc, Object, Plane, Rectangle, Sphere
+from equilux_scenes.transforms import matrix, unit
 
 Matrix = npt.NDArray[np.float64]
 

@@ -7,10 +7,8 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-from equilux.adapter import Program
-from equilux_scenes.case import Case
-from equilux_scenes.transforms import matrix
 
+from equilux.adapter import Program
 from equilux_adapters.povray import frame as frames
 from equilux_adapters.povray.frame import Frame
 from equilux_adapters.povray.knobs import PovrayKnobs
@@ -19,6 +17,8 @@ from equilux_adapters.povray.materials import Coefficients, coefficients, textur
 from equilux_adapters.povray.meshes import mesh_accuracy
 from equilux_adapters.povray.numbers import bands, matrix_modifier, number, vector
 from equilux_adapters.povray.shapes import written
+from equilux_scenes.case import Case
+from equilux_scenes.transforms import matrix
 
 SCENE_FILE = "scene.pov"
 SETTINGS_FILE = "render.ini"

@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import ClassVar
 
 from equilux.adapter import API_VERSION, Capability, Case, Knobs, Limits, Probe, Program, RawRender, Reading
-
 from equilux_adapters.reference.knobs import ReferenceKnobs
 
 __all__ = ["ADAPTER", "ReferenceAdapter"]

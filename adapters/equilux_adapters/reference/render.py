@@ -6,12 +6,12 @@ import time
 from pathlib import Path
 
 import numpy as np
-from equilux.adapter import Case, Program, RawRender, RendererFailed
-from equilux_scenes.mesh import TriangleMesh
-from equilux_scenes.model import Scene
 
+from equilux.adapter import Case, Program, RawRender, RendererFailed
 from equilux_adapters.reference.knobs import ReferenceKnobs
 from equilux_adapters.reference.translate import MESH_PARTS, mesh_file
+from equilux_scenes.mesh import TriangleMesh
+from equilux_scenes.model import Scene
 
 
 def render(program: Program, program_dir: Path, workdir: Path, knobs: ReferenceKnobs) -> RawRender:

@@ -6,6 +6,7 @@ import io
 
 import numpy as np
 import numpy.typing as npt
+
 from equilux.adapter import Case, Program
 
 ENTRY = "scene.json"

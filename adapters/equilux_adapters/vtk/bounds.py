@@ -8,9 +8,9 @@ from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-from equilux_scenes.model import Camera, Film
 
 from equilux_adapters.vtk.kit.view import View, look_at, seen_from
+from equilux_scenes.model import Camera, Film
 
 Floats = npt.NDArray[np.float64]
 

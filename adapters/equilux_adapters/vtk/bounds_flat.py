@@ -4,14 +4,14 @@ edge-on they are seen and the faster normals turn."""
 from __future__ import annotations
 
 import numpy as np
-from equilux.adapter import Case
-from equilux_scenes.transforms import matrix
 
+from equilux.adapter import Case
 from equilux_adapters.vtk.bounds import Bounds, Floats, on_film, rounding_px, view_of
 from equilux_adapters.vtk.coincident import flats
 from equilux_adapters.vtk.kit.clip import in_frame
 from equilux_adapters.vtk.kit.facing import towards_eye
 from equilux_adapters.vtk.kit.view import Mesh, View
+from equilux_scenes.transforms import matrix
 
 SLIVER_PX = 1 / 16
 """Faces and triangles that are thinner on the film are left to the film position: the edge of one is never farther than half of

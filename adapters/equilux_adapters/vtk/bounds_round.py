@@ -5,12 +5,12 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from equilux_scenes.model import Cylinder, Disc, Sphere
 
 from equilux_adapters.vtk.bounds import Bounds, Floats, largest_factor, on_film, rounding_px
 from equilux_adapters.vtk.kit.round import Round, Scale, film_scale, sectors, sphere_division, sphere_scale
 from equilux_adapters.vtk.kit.shapes import cut_by_eye_plane, cylinder_division
 from equilux_adapters.vtk.kit.view import View
+from equilux_scenes.model import Cylinder, Disc, Sphere
 
 RIM_STRIPS = 4
 """This many strips on either side of where a round surface is seen edge-on are not covered by the bounds on normal and

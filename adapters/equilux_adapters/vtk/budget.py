@@ -10,14 +10,14 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-from equilux.adapter import Bound, Budget, Case, Geometric
-from equilux_scenes.model import SpotLight
 
+from equilux.adapter import Bound, Budget, Case, Geometric
 from equilux_adapters.vtk.bounds import U, view_of
 from equilux_adapters.vtk.bounds_flat import horizon_of
 from equilux_adapters.vtk.extent import reach_of
 from equilux_adapters.vtk.geometry import geometry_of, light_reach, set_back_of
 from equilux_adapters.vtk.knobs import VtkKnobs
+from equilux_scenes.model import SpotLight
 
 SNAP_PX = 1 / 256
 """Corners are moved to multiples of 1/256 pixel, so by 1/512 along either axis; an edge moves by √2/512 at most."""

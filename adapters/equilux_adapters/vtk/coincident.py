@@ -8,11 +8,11 @@ from collections.abc import Hashable, Iterator
 
 import numpy as np
 import numpy.typing as npt
+
 from equilux.adapter import Case
+from equilux_adapters.vtk.extent import box_around
 from equilux_scenes.model import Box, Cylinder, Disc, Mesh, Object, Plane, Rectangle, Sphere
 from equilux_scenes.transforms import matrix
-
-from equilux_adapters.vtk.extent import box_around
 
 Floats = npt.NDArray[np.float64]
 

@@ -5,12 +5,11 @@ from __future__ import annotations
 from typing import Any
 
 from equilux.adapter import Case
-from equilux_scenes.model import Object
-from equilux_scenes.transforms import matrix
-
 from equilux_adapters.vtk.kit import shapes
 from equilux_adapters.vtk.kit.view import Mesh, View
 from equilux_adapters.vtk.knobs import VtkKnobs
+from equilux_scenes.model import Object
+from equilux_scenes.transforms import matrix
 
 _KEYS = {
     "sphere": {"center": "center", "radius": "radius"},

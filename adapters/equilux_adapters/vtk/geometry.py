@@ -5,10 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from equilux.adapter import Case
-from equilux_scenes.model import Cylinder, DirectionalLight, Disc, Sphere, SpotLight
-from equilux_scenes.transforms import matrix
 
+from equilux.adapter import Case
 from equilux_adapters.vtk import bounds_flat, bounds_round
 from equilux_adapters.vtk.bounds import Bounds, largest_factor, view_of
 from equilux_adapters.vtk.coincident import set_backs
@@ -19,6 +17,8 @@ from equilux_adapters.vtk.kit.depth import set_back
 from equilux_adapters.vtk.kit.round import film_scale
 from equilux_adapters.vtk.kit.view import View
 from equilux_adapters.vtk.knobs import VtkKnobs
+from equilux_scenes.model import Cylinder, DirectionalLight, Disc, Sphere, SpotLight
+from equilux_scenes.transforms import matrix
 
 
 def geometry_of(case: Case, knobs: VtkKnobs) -> dict[str, Any]:

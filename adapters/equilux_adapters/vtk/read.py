@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from equilux.adapter import Program, RawRender, Reading, RendererFailed
 
+from equilux.adapter import Program, RawRender, Reading, RendererFailed
 from equilux_adapters.vtk.budget import budget_of
 from equilux_adapters.vtk.knobs import VtkKnobs
 from equilux_adapters.vtk.render import IMAGE

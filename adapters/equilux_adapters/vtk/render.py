@@ -9,8 +9,8 @@ from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
-from equilux.adapter import Limits, Program, RawRender, RendererFailed
 
+from equilux.adapter import Limits, Program, RawRender, RendererFailed
 from equilux_adapters.vtk.knobs import VtkKnobs
 
 IMAGE = "image.npy"

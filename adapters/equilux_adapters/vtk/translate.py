@@ -9,16 +9,16 @@ from collections.abc import Iterable, Sequence
 from typing import Any
 
 import numpy as np
-from equilux.adapter import Case, Program, Unsupported
-from equilux_scenes.mesh import TriangleMesh
-from equilux_scenes.model import DirectionalLight, Light, Material, Object, PointLight, Scene
 
+from equilux.adapter import Case, Program, Unsupported
 from equilux_adapters.vtk.budget import facts_of
 from equilux_adapters.vtk.capabilities import CAPABILITIES
 from equilux_adapters.vtk.coincident import set_backs
 from equilux_adapters.vtk.drawing import arguments
 from equilux_adapters.vtk.knobs import VtkKnobs
 from equilux_adapters.vtk.source import kit_source, names_in
+from equilux_scenes.mesh import TriangleMesh
+from equilux_scenes.model import DirectionalLight, Light, Material, Object, PointLight, Scene
 
 ENTRY = "scene.py"
 

@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import ClassVar
 
 from equilux.adapter import API_VERSION, Capability, Case, Knobs, Limits, Probe, Program, RawRender, Reading
-
 from equilux_ballcaster.capabilities import CAPABILITIES
 from equilux_ballcaster.read import read
 from equilux_ballcaster.render import render

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from equilux_scenes.model import Box
 
 from equilux_oracle.doubledouble import DD, Bools, where
 from equilux_oracle.shapes.crossing import Crossing, Primitive, first_positive
+from equilux_scenes.model import Box
 
 _FAR = 1e300  # an interval that ends nowhere; only ever compared
 

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from equilux_scenes.model import Cylinder
 
 from equilux_oracle.doubledouble import DD, Bools, dot, vector, where
 from equilux_oracle.shapes.box import slab
 from equilux_oracle.shapes.crossing import Crossing, Primitive, first_positive, vanishes
+from equilux_scenes.model import Cylinder
 
 _FAR = 1e300
 

@@ -7,11 +7,11 @@ the plane. The borders of disc and rectangle belong to them.
 from __future__ import annotations
 
 import numpy as np
-from equilux_scenes.model import Disc, Plane, Rectangle
 
 from equilux_oracle.doubledouble import DD, Bools, cross, dot, vector
 from equilux_oracle.doubledouble import direction as directed
 from equilux_oracle.shapes.crossing import Crossing, Primitive, each_ray, vanishes
+from equilux_scenes.model import Disc, Plane, Rectangle
 
 
 def plane(shape: Plane) -> Primitive:

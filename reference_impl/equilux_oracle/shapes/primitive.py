@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from equilux_scenes.model import Box, Cylinder, Disc, Object, Plane, Rectangle, Sphere
-
 from equilux_oracle.shapes.box import box
 from equilux_oracle.shapes.crossing import Primitive
 from equilux_oracle.shapes.cylinder import cylinder
 from equilux_oracle.shapes.flat import disc, plane, rectangle
 from equilux_oracle.shapes.sphere import sphere
+from equilux_scenes.model import Box, Cylinder, Disc, Object, Plane, Rectangle, Sphere
 
 
 def primitive_of(shape: Object) -> Primitive:

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from equilux_scenes.model import Sphere
 
 from equilux_oracle.doubledouble import DD, dot
 from equilux_oracle.shapes.crossing import Crossing, Primitive, first_positive
+from equilux_scenes.model import Sphere
 
 
 def sphere(shape: Sphere) -> Primitive:

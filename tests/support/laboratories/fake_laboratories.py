@@ -20,6 +20,8 @@ from pathlib import Path
 from typing import Any, ClassVar
 
 import numpy as np
+from pydantic import Field
+
 from equilux.adapter import (
     API_VERSION,
     Bound,
@@ -38,7 +40,6 @@ from equilux.adapter import (
     Unsupported,
 )
 from equilux_scenes.features import FEATURES
-from pydantic import Field
 
 STATE = "EQUILUX_FAKE_STATE"
 """Environment variable: a folder in which fakes leave marks between processes."""

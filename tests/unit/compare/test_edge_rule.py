@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 import pytest
+
 from equilux import edges
 from equilux.budget import Bound, Budget, Geometric
 from equilux.compare import RenderedImage, compare_pair

@@ -8,10 +8,11 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 import pytest
-from equilux import _compare
-from equilux.compare import EN_EDGES
 from hypothesis import given, settings
 from hypothesis import strategies as st
+
+from equilux import _compare
+from equilux.compare import EN_EDGES
 from support.plain_comparison import order_statistic, plain_comparison
 
 NAN, INF = float("nan"), float("inf")

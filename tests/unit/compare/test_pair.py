@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 import pytest
+
 from equilux import verdict
 from equilux.budget import Bound, Budget, Geometric, Sampled
 from equilux.compare import COMPARER_VERSION, EN_EDGES, PairResult, RenderedImage, compare_pair, pair_bound, write_pair

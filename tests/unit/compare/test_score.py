@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 import OpenImageIO as oiio
 import pytest
+
 from equilux import score
 from equilux.complaint import BadUsage
 from equilux.uncertainty import stated

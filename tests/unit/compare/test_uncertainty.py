@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 import pytest
+
 from equilux.budget import Bound, Budget, Geometric, Sampled
 from equilux.compare import RenderedImage, compare_pair
 from equilux.uncertainty import FALSE_ALARM_RATE, Uncertainty, coverage_factor, stated, student_quantile

@@ -3,6 +3,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+
 from support.engine import LABORATORIES
 from support.laboratories.fake_laboratories import STATE
 

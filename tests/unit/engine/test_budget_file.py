@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+
 from equilux import budget_file
 from equilux.adapter import Bound, Budget, Geometric, Sampled
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import pytest
+
 from equilux.judge import exit_code, judge_case
 from support.engine import scene
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pytest
+
 from equilux.complaint import BadUsage
 from equilux.knobs import resolve
 from support.engine import entry

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import psutil
 import pytest
+
 from equilux.results import CaseRecord
 from equilux.tree import read_json
 from support.engine import LABORATORIES, only_case, pair_of, run

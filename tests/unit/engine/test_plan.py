@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pytest
+
 from equilux.complaint import BadUsage
 from equilux.plan import filter_cases, select_adapters
 from equilux_scenes.loader import load_scene_text

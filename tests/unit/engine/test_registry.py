@@ -6,6 +6,7 @@ import sys
 from pathlib import Path
 
 import pytest
+
 from equilux.complaint import BadUsage
 from equilux.registry import Registry
 from support.engine import LABORATORIES, entry

@@ -5,9 +5,10 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
-import equilux
 import jsonschema
 import pytest
+
+import equilux
 from equilux.results import Results, json_schema, summarise
 from equilux.tree import read_json
 from support.engine import only_case, run, scene

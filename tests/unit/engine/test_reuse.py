@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+
 from equilux.planes import read_planes
 from equilux.reuse import Store, code_fingerprint, key
 from equilux.tree import read_json

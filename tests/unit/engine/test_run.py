@@ -13,6 +13,7 @@ from pathlib import Path
 
 import psutil
 import pytest
+
 from equilux.progress import Plain, Silent, suitable
 from equilux.tree import read_json
 from support.engine import LABORATORIES, only_case, pair_of, run, scene

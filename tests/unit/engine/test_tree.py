@@ -6,6 +6,7 @@ import json
 from pathlib import Path
 
 import pytest
+
 from equilux.complaint import BadUsage
 from equilux.tree import RUN_SCHEMA, Tree, write_json
 

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from typing import Any
 
 import pytest
+
 from equilux_scenes.case import Case
 from support.random_scenes import case_of
 

@@ -6,16 +6,17 @@ import json
 import subprocess
 import sys
 
-import equilux_oracle
 import numpy as np
 import pytest
+from mpmath import mpf
+
+import equilux_oracle
 from equilux.adapter import Adapter, Limits, Unsupported
 from equilux.budget import Bound
 from equilux_adapters.oracle import ADAPTER
 from equilux_oracle.precise import evaluate_at
 from equilux_scenes.features import FEATURES
 from equilux_scenes.loader import load_scene_text
-from mpmath import mpf
 from support.random_scenes import case_of, random_spec
 
 TRIANGLE = """

@@ -6,10 +6,11 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
-from equilux_oracle.doubledouble import DD, cross, direction, dot, unit, vector
 from hypothesis import given
 from hypothesis import strategies as st
 from mpmath import mp, mpf
+
+from equilux_oracle.doubledouble import DD, cross, direction, dot, unit, vector
 
 # Hida, Li and Bailey's bounds: 2·2^-104 for the sum, 4·2^-104 for the product, 10·2^-104 for quotient and root.
 ROUNDOFF = Fraction(10, 2**104)

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import math
 
-import equilux_oracle
 import numpy as np
 import pytest
+
+import equilux_oracle
 
 FLOOR = {"kind": "plane", "point": [0, 0, 0], "normal": [0, 0, 1]}
 SUN = {"kind": "directional", "direction": [0, 0, -1], "irradiance": [3, 2, 1]}

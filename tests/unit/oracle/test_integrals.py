@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import math
 
-import equilux_oracle
 import numpy as np
 import pytest
+
+import equilux_oracle
 from equilux_oracle import evaluate
 
 LOOKING_DOWN = {"projection": "perspective", "eye": [0, 0, 1], "target": [0, 0, 0], "up": [0, 1, 0], "fov_y_deg": 90}

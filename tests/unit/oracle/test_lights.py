@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import math
 
-import equilux_oracle
 import numpy as np
 import pytest
+
+import equilux_oracle
 from equilux_oracle.constants import cos_deg, tan_half_angle
 from equilux_oracle.doubledouble import DD
 from equilux_oracle.lights import spot_factor

@@ -7,10 +7,11 @@ from __future__ import annotations
 
 import random
 
-import equilux_oracle
 import pytest
-from equilux_oracle.precise import evaluate_at
 from mpmath import mp, mpf
+
+import equilux_oracle
+from equilux_oracle.precise import evaluate_at
 from support.random_scenes import ANALYTIC, LIGHTS, case_of, random_spec
 
 TRACERS_BOUND = 1e-12

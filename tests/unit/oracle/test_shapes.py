@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+
 from equilux_oracle.doubledouble import DD
 from equilux_oracle.shapes import primitive_of
 from equilux_scenes.model import Box, Cylinder, Disc, Plane, Rectangle, Sphere

@@ -5,11 +5,12 @@ from __future__ import annotations
 import math
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
 from equilux.adapter import Unsupported
 from equilux_adapters.povray.attenuation import Law, law
 from equilux_scenes.model import Attenuation
-from hypothesis import given
-from hypothesis import strategies as st
 
 NEAREST = 0.5
 terms = st.one_of(st.just(0.0), st.floats(1e-3, 1e3))

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from equilux_adapters.povray.exposures import CLIPPED, HALF_STEP, Plan, factor, merge
 from hypothesis import given
 from hypothesis import strategies as st
+
+from equilux_adapters.povray.exposures import CLIPPED, HALF_STEP, Plan, factor, merge
 
 
 def quantised(radiance, full_scale):

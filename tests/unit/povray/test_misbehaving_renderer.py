@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import OpenImageIO as oiio
 import pytest
+
 from equilux.adapter import Limits, RawRender, RendererCrashed, RendererFailed, RendererTimedOut
 from equilux_adapters.povray import ADAPTER
 from equilux_adapters.povray.render import spoken

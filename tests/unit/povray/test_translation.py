@@ -6,6 +6,7 @@ import re
 
 import numpy as np
 import pytest
+
 from equilux.adapter import Unsupported
 from equilux_adapters.povray import ADAPTER
 from equilux_scenes.loader import corpus_folder, load_scenes

@@ -8,8 +8,9 @@ import shutil
 from pathlib import Path
 from urllib.parse import unquote
 
-import equilux_report.pages
 import pytest
+
+import equilux_report.pages
 from browser.fake_tree import write_tree
 from equilux_report import build
 from equilux_report.tree import read_run

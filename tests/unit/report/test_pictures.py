@@ -10,11 +10,12 @@ from typing import Any
 
 import numpy as np
 import OpenImageIO as oiio
-from equilux_report import colour, png, thumbnail
-from equilux_report.pack import pack
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
+
+from equilux_report import colour, png, thumbnail
+from equilux_report.pack import pack
 
 
 def unpacked(script: str) -> dict[str, Any]:

@@ -6,6 +6,7 @@ import math
 from pathlib import Path
 
 import pytest
+
 from equilux_report import numerals, words
 from equilux_report.calibration import calibrations, histogram, rebin
 from equilux_report.tree import CaseRecord, Pair, Render, read_run

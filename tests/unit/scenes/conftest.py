@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+
 from equilux_scenes.limits import Limits
 from equilux_scenes.loader import SceneFile, SpecError, SpecErrors, corpus_folder, load_scene_text, load_scenes
 

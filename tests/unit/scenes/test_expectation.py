@@ -6,6 +6,7 @@ from collections.abc import Callable
 from typing import Any
 
 import pytest
+
 from equilux_scenes.expectation import WhenError, parse_when
 
 AXES = {"a": 1.0, "b": 2, "long-name_3": -4.5}

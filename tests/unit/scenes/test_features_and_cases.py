@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+
 from equilux_scenes.causes import CAUSES, is_known
 from equilux_scenes.features import FEATURES, required_features
 from equilux_scenes.loader import SceneFile

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+
 from equilux_scenes.limits import Limits
 from equilux_scenes.loader import SpecErrors, load_scene_file
 

@@ -9,12 +9,13 @@ import re
 from collections.abc import Callable, Iterator
 
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
 from equilux_scenes.errors import SpecErrors
 from equilux_scenes.limits import Limits
 from equilux_scenes.loader import SceneFile, load_scene_file, load_scene_text
 from equilux_scenes.yaml_tree import ListNode, MapNode, Node, Place, ScalarNode, parse
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 Load = Callable[..., SceneFile]
 

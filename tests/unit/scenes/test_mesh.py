@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+
 from equilux_scenes.mesh import MeshError, TriangleMesh, shaded
 
 CUBE = np.array([[x, y, z] for x in (0.0, 1.0) for y in (0.0, 1.0) for z in (0.0, 1.0)])

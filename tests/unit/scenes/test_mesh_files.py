@@ -6,6 +6,7 @@ import struct
 
 import numpy as np
 import pytest
+
 from equilux_scenes.errors import SpecErrors
 from equilux_scenes.limits import Limits
 from equilux_scenes.mesh import TriangleMesh

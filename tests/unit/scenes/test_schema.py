@@ -7,11 +7,12 @@ from collections.abc import Callable
 from typing import Any
 
 import pytest
+from jsonschema import Draft202012Validator
+
 from equilux_scenes.limits import Limits
 from equilux_scenes.loader import corpus_folder
 from equilux_scenes.schema import json_schema, schema_file, schema_text
 from equilux_scenes.yaml_tree import parse, plain
-from jsonschema import Draft202012Validator
 
 VALIDATOR = Draft202012Validator(json_schema())
 

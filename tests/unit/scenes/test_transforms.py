@@ -8,10 +8,11 @@ from typing import Any
 
 import numpy as np
 import pytest
-from equilux_scenes.model import Rotation, Sphere, TransformStep
-from equilux_scenes.transforms import matrix, matrix_of, sin_cos_deg, unit
 from hypothesis import given, settings
 from hypothesis import strategies as st
+
+from equilux_scenes.model import Rotation, Sphere, TransformStep
+from equilux_scenes.transforms import matrix, matrix_of, sin_cos_deg, unit
 
 
 def _rotate(axis: tuple[float, float, float], degrees: float) -> TransformStep:

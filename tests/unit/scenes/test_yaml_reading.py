@@ -8,6 +8,7 @@ from collections.abc import Callable
 from typing import Any
 
 import pytest
+
 from equilux_scenes.errors import SpecErrors
 from equilux_scenes.limits import Limits
 from equilux_scenes.loader import load_scene_text

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+
 from equilux_scenes.case import Case
 from equilux_scenes.mesh import TriangleMesh
 from equilux_tracer import Tracer

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+
 from equilux.adapter import Adapter, Limits, RendererFailed
 from equilux_adapters.reference import ADAPTER
 from equilux_scenes.case import Case

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+
 from equilux_scenes.case import Case
 from equilux_scenes.mesh import TriangleMesh
 from equilux_tracer import Tracer

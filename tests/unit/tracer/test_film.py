@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+
 from equilux_tracer import CHANNELS, Cancel, Cancelled, Tracer, TracerError, _tracer
 from support.random_scenes import case_of, changed, random_spec
 

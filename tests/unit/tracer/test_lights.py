@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 import pytest
+
 from equilux_tracer import Tracer
 
 FLOOR = {"kind": "plane", "point": [0, 0, 0], "normal": [0, 0, 1]}

@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 import pytest
+
 from equilux_scenes.mesh import TriangleMesh
 from equilux_tracer import Tracer, TracerError
 from support.plain_phong import film_positions_of

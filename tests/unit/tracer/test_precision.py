@@ -6,6 +6,7 @@ import random
 
 import numpy as np
 import pytest
+
 from equilux_oracle import radiance
 from equilux_oracle.precise import evaluate_at
 from equilux_tracer import Tracer

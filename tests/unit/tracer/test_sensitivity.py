@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+
 from equilux_tracer import Tracer, TracerError
 from support import plain_phong
 from support.random_scenes import case_of, changed, random_spec

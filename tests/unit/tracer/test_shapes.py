@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 import pytest
+
 from equilux_scenes.mesh import TriangleMesh
 from equilux_scenes.transforms import matrix
 from equilux_tracer import Tracer

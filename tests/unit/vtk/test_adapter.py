@@ -9,11 +9,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from pydantic import ValidationError
+
 from equilux.adapter import Adapter, Limits, Program, RawRender, RendererFailed
 from equilux_adapters.vtk import ADAPTER
 from equilux_adapters.vtk.knobs import VtkKnobs
 from equilux_scenes.features import FEATURES
-from pydantic import ValidationError
 
 FACTS = {"facets": {"normal": {}, "position_m": {}, "film_px": 0.0}, "set_back_m": {}, "lights": 0, "exponent": 0.0}
 FACTS |= {"reach_m": {}, "cone_px": 0.0, "horizon": 0.0}

@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 import pytest
+
 from equilux_adapters.vtk.bounds import Bounds, view_of
 from equilux_adapters.vtk.geometry import bounds_of
 from equilux_adapters.vtk.kit import shapes

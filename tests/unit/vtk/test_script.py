@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 
 import pytest
+
 from equilux.adapter import Unsupported
 from equilux_adapters.vtk import ADAPTER, capabilities, translate
 from equilux_adapters.vtk.knobs import VtkKnobs
