@@ -24,11 +24,19 @@ class Record(BaseModel):
     model_config = ConfigDict(extra="forbid", allow_inf_nan=False, serialize_by_alias=True, populate_by_name=True)
 
 
+class PerPixel(Record):
+    """What the part of an uncertainty that varies per pixel comes to, over pixels and bands, W/(m²·sr)."""
+
+    max: float | None
+    median: float | None
+
+
 class StatedUncertainty(Record):
-    """|error| ≤ abs + rel |L| + what varies per pixel, W/(m²·sr); the full budget is in render.json."""
+    """|error| ≤ abs + rel |L| + what varies per pixel (uncertainty.exr), W/(m²·sr); the full budget is in render.json."""
 
     abs: float
     rel: float
+    per_pixel: PerPixel | None = None
 
 
 class RenderRecord(Record):

@@ -340,7 +340,7 @@ def _render_record(record: Mapping[str, Any]) -> RenderRecord:
         version=record["version"],
         seconds=record["seconds"],
         reused=record["reused"],
-        uncertainty=StatedUncertainty(abs=stated["abs"], rel=stated["rel"]) if stated is not None else None,
+        uncertainty=StatedUncertainty(**{name: stated[name] for name in StatedUncertainty.model_fields}) if stated else None,
     )
 
 
