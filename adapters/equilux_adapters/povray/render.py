@@ -79,13 +79,14 @@ def _run_all(executable: str, wave: Sequence[Exposure], workdir: Path, deadline:
             running[exposure] = process
         while any(process.poll() is None for process in running.values()):
             if time.monotonic() > deadline:
-                log = _log(workdir, wave[0]).read_text(errors="replace")
-                raise RendererTimedOut(f"POV-Ray still ran at the limit; it said: {_short(spoken(log))}")
+                raise RendererTimedOut(f"POV-Ray still ran at the limit; it said: {_short(spoken_of(workdir, wave[0]))}")
             if any(process.poll() not in (None, 0) for process in running.values()):
                 break
             time.sleep(POLL_S)
         for exposure, process in running.items():
             if process.poll() is not None:
+                if process.returncode > 0 and _lost_its_reason(spoken_of(workdir, exposure)):
+                    _run_once_more(executable, exposure, workdir, deadline)
                 _check(exposure, process.returncode, workdir)
 
 
@@ -109,8 +110,26 @@ def _log(workdir: Path, exposure: Exposure) -> Path:
     return workdir / f"{exposure.name}.log"
 
 
+def _run_once_more(executable: str, exposure: Exposure, workdir: Path, deadline: float) -> None:
+    """Why a scene is not understood may get lost (Q29). POV-Ray stumbles over the same place again, and says so."""
+    with _start(executable, exposure, workdir) as process:
+        try:
+            process.wait(max(deadline - time.monotonic(), 0.0))
+        except subprocess.TimeoutExpired:
+            process.kill()
+
+
+def spoken_of(workdir: Path, exposure: Exposure) -> list[str]:
+    """What POV-Ray said of this exposure beyond its banner."""
+    return spoken(_log(workdir, exposure).read_text(errors="replace"))
+
+
+def _lost_its_reason(said: Sequence[str]) -> bool:
+    return any(line.startswith("Fatal error in parser") for line in said) and not any("Error:" in line for line in said)
+
+
 def _check(exposure: Exposure, status: int, workdir: Path) -> None:
-    said = spoken(_log(workdir, exposure).read_text(errors="replace"))
+    said = spoken_of(workdir, exposure)
     if said:
         # the engine keeps what its worker says
         print(f"povray, {exposure.name}:", *said, sep="\n", file=sys.stderr)

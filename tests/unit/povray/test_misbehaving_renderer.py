@@ -135,3 +135,20 @@ def test_the_version_is_what_the_program_says(tmp_path, monkeypatch):
 def test_what_is_said_before_the_first_phase_counts_when_there_is_no_phase():
     said = spoken("Problem with option setting\n\nFailed to parse INI file\n")
     assert said == ["Problem with option setting", "Failed to parse INI file"]
+
+
+def test_a_message_that_got_lost_is_asked_for_again(tmp_path, monkeypatch):
+    lost = "echo '==== [Parsing...] ===='; echo 'Fatal error in parser: Cannot parse input.'; echo 'Render failed'; exit 1"
+    told = lost.replace("; echo 'Fatal", "; echo 'File line 3: Parse Error: No matching }'; echo 'Fatal")
+    put_on_path(tmp_path / "bin", monkeypatch, f"if mkdir {tmp_path}/asked-$OUT 2>/dev/null; then {lost}; else {told}; fi")
+    with pytest.raises(RendererFailed, match=r"status 1: .*Parse Error: No matching \}") as caught:
+        rendered(tmp_path)
+    assert "line 3" in str(caught.value)
+
+
+def test_a_message_that_never_comes_is_asked_for_only_once(tmp_path, monkeypatch):
+    put_on_path(tmp_path / "bin", monkeypatch, f"echo $OUT >> {tmp_path}/asked; echo 'Fatal error in parser: no.'; exit 1")
+    with pytest.raises(RendererFailed, match="Fatal error in parser"):
+        rendered(tmp_path)
+    asked = (tmp_path / "asked").read_text().split()
+    assert max(asked.count(name) for name in asked) == 2, asked
