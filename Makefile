@@ -14,7 +14,7 @@ test:
 	@.ci/setup --browser
 	@$(PYTHON) -m ruff check .
 	@$(PYTHON) -m mypy
-	@$(PYTHON) -m pytest -q -n 2 --dist loadgroup
+	@$(PYTHON) -m pytest -q -n 2 --dist loadgroup --ignore=tests/bench
 
 lint: setup
 	$(PYTHON) -m ruff check .

@@ -3,7 +3,7 @@ eq.float32Text = (value) => {
   if (Number.isNaN(value)) return "NaN";
   if (value === Infinity) return "+Inf";
   if (value === -Infinity) return "-Inf";
-  if (Object.is(value, -0)) return "-0";
+  if (value === 0) return Object.is(value, -0) ? "-0" : "0";
   for (let digits = 1; digits < 10; digits += 1) {
     const text = value.toPrecision(digits);
     if (Math.fround(Number(text)) === value) return Math.abs(value) < 1e-4 ? Number(text).toExponential() : String(Number(text));
