@@ -217,7 +217,9 @@ def _fields(
         out["bias"] = _number(scores["sum"] / values)
         out["rms"] = _number(math.sqrt(scores["sum_of_squares"] / values))
         out["en_infinite"] = scores["en_infinite"]
-    place = scores["worst_pixel"] if values else scores["first_invalid"]
+    # Where nothing diverges but pixels are invalid, the first of them is what to look at: |E_n| elsewhere is harmless.
+    harmless = not values or (scores["invalid"] and not scores["diverge"])
+    place = scores["first_invalid"] if harmless else scores["worst_pixel"]
     if place >= 0:
         out["worst"] = _pixel(place, image_a, image_b)
     return out

@@ -54,7 +54,10 @@ class RenderRecord(Record):
 
 
 class Worst(Record):
-    """The pixel with the largest normalised error. A band that is not a finite number is null."""
+    """The pixel with the largest normalised error, or the first invalid one where no pixel diverges otherwise.
+
+    A band that is not a finite number is null.
+    """
 
     x: Count
     y: Count

@@ -40,6 +40,7 @@ from equilux.tree import RUN_SCHEMA, Tree, write_json
 from equilux.workerstart import shared_nursery
 from equilux_scenes.loader import corpus_folder
 
+ENGINE_FAULT = 3
 INTERRUPTED = 130
 JUDGEMENT_WORDS = {
     "agree": "agree", "diverge_expected": "diverge as expected", "diverge_unexpected": "diverge unexpectedly",
@@ -232,7 +233,7 @@ class _Run:
         errors = tuple(error for work in self._work.values() for error in work.errors)
         code = exit_code(statuses, pairs, self._plan.named)
         if errors:
-            code = 3
+            code = ENGINE_FAULT
         if self._stopped_by is not None and not self._stopped_by.startswith("--"):
             code = INTERRUPTED
         started, ended, seconds = self._clock()

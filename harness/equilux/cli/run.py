@@ -91,12 +91,16 @@ def run(
         sys.stderr.write(f"added {' and '.join(planned.added)}: there is always a truth to judge against\n")
     if plan:
         return _show_plan(planned, as_json=json)
-    from equilux.run import INTERRUPTED
+    from equilux.run import ENGINE_FAULT, INTERRUPTED
 
     finished = _execute(planned, out, jobs, timeout, memory, reuse=reuse, fail_fast=fail_fast, flip=flip)
     _tell(finished, out, as_json=json)
     if html and finished.exit_code != INTERRUPTED:
-        page = _report(out)
+        try:
+            page = _report(out)
+        except OSError as problem:  # a full disk: the results stand, the run's work is not all done
+            sys.stderr.write(f"the report cannot be written: {problem}\n")
+            return ENGINE_FAULT
         (sys.stderr if json else sys.stdout).write(f"report: {shown(page)}\n")
     return finished.exit_code
 

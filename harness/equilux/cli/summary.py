@@ -63,10 +63,13 @@ def _pair_line(case: CaseRecord, pair: PairRecord) -> str:
         return (
             f"{case.case}: {pair.a} agrees with {pair.b}, but the scene expects it to diverge ({causes}): remove the expectation"
         )
-    share = f"{pair.diverge} of {pair.pixels} pixels"
-    size = f", largest difference {pair.max_abs:.3g}" if pair.max_abs is not None else ""
+    if pair.diverge:
+        size = f", largest difference {pair.max_abs:.3g}" if pair.max_abs is not None else ""
+        share = f"{pair.diverge} of {pair.pixels} pixels{size}"
+    else:
+        share = pair.reason or "no pixel could be scored"
     place = f" at ({pair.worst.x}, {pair.worst.y})" if pair.worst is not None else ""
-    return f"{case.case}: {pair.a} diverges from {pair.b}: {share}{size}{place}"
+    return f"{case.case}: {pair.a} diverges from {pair.b}: {share}{place}"
 
 
 def _counts(results: Results) -> str:

@@ -85,6 +85,14 @@ def test_images_that_are_all_nan_or_inf_never_pass(left: float, right: float) ->
     assert "NaN" not in json.dumps(pair.json, allow_nan=False)
 
 
+def test_where_only_invalid_pixels_diverge_the_worst_pixel_is_the_first_of_them() -> None:
+    image = TRUTH + 1e-9
+    image[3, 5] = NAN
+    pair = compared(image, abs=1e-6)
+    assert (pair.json["diverge"], pair.json["invalid"], pair.json["verdict"]) == (0, 1, "diverge")
+    assert (pair.json["worst"]["x"], pair.json["worst"]["y"]) == (5, 3)
+
+
 @pytest.mark.parametrize("level", [0.0, 0.5])
 def test_a_constant_image_never_passes_where_the_truth_is_not_constant(level: float) -> None:
     pair = compared(np.full(TRUTH.shape, level))
