@@ -21,9 +21,10 @@ from equilux.job import BUDGET_FILE, IMAGE_FILE, LOG_FILE, PROGRAM_FOLDER, WORK_
 from equilux.lazytracer import LazyTracer
 from equilux.planes import read_planes, write_planes
 from equilux.reuse import Store, key
-from equilux.tree import Tree, read_json, write_json
+from equilux.tree import Tree, read_json
 from equilux.trust import ordered_pair
 from equilux.uncertainty import Uncertainty
+from equilux.wholefile import write_json
 from equilux.worker import BadDelivery, checked_image, describe_program
 
 RENDER_SCHEMA = "equilux/render/1"

@@ -7,10 +7,7 @@ the place of two expanded uncertainties added in quadrature stand hard bounds, w
 from __future__ import annotations
 
 import hashlib
-import json
 import math
-import os
-import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Protocol
@@ -22,6 +19,7 @@ from equilux import _compare, edges, hdr_flip, planes, uncertainty, verdict
 from equilux.trust import TRUTHS, trust_rank
 from equilux.uncertainty import Uncertainty
 from equilux.verdict import Judgement
+from equilux.wholefile import write_json
 
 FloatImage = npt.NDArray[np.floating]
 Plane = npt.NDArray[np.float32]
@@ -128,18 +126,7 @@ def write_pair(case_directory: Path, result: PairResult) -> None:
         planes.write_planes(image, result.planes)
     else:
         image.unlink(missing_ok=True)
-    _write_text(folder / f"{stem}.json", json.dumps(result.json, indent=1, allow_nan=False) + "\n")
-
-
-def _write_text(path: Path, text: str) -> None:
-    handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.stem}.", suffix=".json")
-    try:
-        with os.fdopen(handle, "w", encoding="utf-8") as file:
-            file.write(text)
-        os.chmod(temporary, 0o644)
-        os.replace(temporary, path)
-    finally:
-        Path(temporary).unlink(missing_ok=True)
+    write_json(folder / f"{stem}.json", result.json)
 
 
 # --- scoring ----------------------------------------------------------------------------------------------------------

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import os
-import tempfile
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -11,6 +9,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 import OpenImageIO as oiio
+
+from equilux.wholefile import whole_file
 
 
 def write_planes(path: Path, planes: Mapping[str, npt.NDArray[Any]]) -> None:
@@ -20,16 +20,10 @@ def write_planes(path: Path, planes: Mapping[str, npt.NDArray[Any]]) -> None:
     spec = oiio.ImageSpec(width, height, channels, oiio.FLOAT)
     spec.channelnames = tuple(planes)
     spec.attribute("compression", "zip")
-    handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.stem}.", suffix=".exr")
-    os.close(handle)
-    try:
-        output = oiio.ImageOutput.create(temporary)
-        if output is None or not output.open(temporary, spec) or not output.write_image(pixels) or not output.close():
+    with whole_file(path, suffix=".exr") as temporary:
+        output = oiio.ImageOutput.create(str(temporary))
+        if output is None or not output.open(str(temporary), spec) or not output.write_image(pixels) or not output.close():
             raise OSError(f"{path}: cannot be written ({(output.geterror() if output else oiio.geterror()).strip()})")
-        os.chmod(temporary, 0o644)
-        os.replace(temporary, path)
-    finally:
-        Path(temporary).unlink(missing_ok=True)
 
 
 def read_planes(path: Path) -> dict[str, npt.NDArray[np.float32]]:

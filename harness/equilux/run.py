@@ -36,7 +36,8 @@ from equilux.results import (
     summarise,
 )
 from equilux.reuse import Store
-from equilux.tree import RUN_SCHEMA, Tree, write_json
+from equilux.tree import RUN_SCHEMA, Tree
+from equilux.wholefile import write_json
 from equilux.workerstart import shared_nursery
 from equilux_scenes.loader import corpus_folder
 

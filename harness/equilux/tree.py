@@ -19,24 +19,6 @@ OURS = ("run.json", "results.json", "cases", "report")
 SCRATCH_PREFIX = ".scratch-"
 
 
-def write_json(path: Path, content: Any) -> None:
-    """Write JSON atomically. Raises ValueError for NaN and infinities: they have no place in JSON."""
-    write_bytes(path, (json.dumps(content, indent=1, ensure_ascii=False, allow_nan=False) + "\n").encode())
-
-
-def write_bytes(path: Path, content: bytes) -> None:
-    """Write a file that appears whole or not at all."""
-    handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
-    try:
-        with os.fdopen(handle, "wb") as stream:
-            stream.write(content)
-        os.chmod(temporary, 0o644)
-        os.replace(temporary, path)
-    except BaseException:
-        Path(temporary).unlink(missing_ok=True)
-        raise
-
-
 def read_json(path: Path) -> dict[str, Any] | None:
     """The JSON object in a file; None where there is no file or something else in it."""
     try:

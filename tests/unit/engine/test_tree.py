@@ -8,7 +8,8 @@ from pathlib import Path
 import pytest
 
 from equilux.complaint import BadUsage
-from equilux.tree import RUN_SCHEMA, Tree, write_json
+from equilux.tree import RUN_SCHEMA, Tree
+from equilux.wholefile import write_json
 
 ONE = {"cases": {"tiny": "abc"}, "adapters": {"good": {"version": "1"}}}
 OTHER = {"cases": {"tiny": "abc"}, "adapters": {"good": {"version": "2"}}}
