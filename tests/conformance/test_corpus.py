@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import importlib
 import subprocess
 import sys
+from collections.abc import Iterator
 from pathlib import Path
+from types import ModuleType
 
 import numpy as np
 import pytest
@@ -51,12 +54,17 @@ def test_the_corpus_is_large_enough_and_covers_every_feature():
     assert covered == set(FEATURES), f"not covered: {sorted(set(FEATURES) - covered)}"
 
 
-def test_the_teapot_is_what_the_script_makes_of_the_published_patches():
+@pytest.fixture(scope="module")
+def make_teapot() -> Iterator[ModuleType]:
+    """The script that tessellates the teapot; it lies beside the package, not in it."""
     sys.path.insert(0, str(ROOT / "scene_specs"))
     try:
-        import make_teapot
+        yield importlib.import_module("make_teapot")
     finally:
         sys.path.pop(0)
+
+
+def test_the_teapot_is_what_the_script_makes_of_the_published_patches(make_teapot):
     vertices, normals, faces = make_teapot.tessellate()
     assert len(faces) >= 50_000
     made, shipped = make_teapot.ply(vertices, normals, faces), make_teapot.TEAPOT.read_bytes()
@@ -69,12 +77,7 @@ def test_the_teapot_is_what_the_script_makes_of_the_published_patches():
     assert np.abs(ours - theirs).max() <= 1e-6, f"largest difference {np.abs(ours - theirs).max():g}"
 
 
-def test_the_teapot_is_wound_outwards_and_its_normals_are_unit():
-    sys.path.insert(0, str(ROOT / "scene_specs"))
-    try:
-        import make_teapot
-    finally:
-        sys.path.pop(0)
+def test_the_teapot_is_wound_outwards_and_its_normals_are_unit(make_teapot):
     vertices, normals, faces = make_teapot.tessellate()
     assert np.abs(np.linalg.norm(normals, axis=1) - 1).max() < 1e-12
     corner = vertices[faces]
