@@ -14,7 +14,7 @@ import numpy as np
 from equilux_oracle.constants import cos_deg
 from equilux_oracle.doubledouble import DD, Array, direction, dot, norm, unit, vector
 from equilux_oracle.shapes.crossing import each_ray
-from equilux_scenes.model import Attenuation, DirectionalLight, Light, PointLight, SpotLight
+from equilux_scenes.model import Attenuation, DeltaLight, DirectionalLight, PointLight, SpotLight
 
 
 @dataclass(frozen=True)
@@ -34,7 +34,7 @@ FROM_POINTS = 9.0
 sum 3 (r² has 5 in all, r 3.5), product with d_q 1, two sums 2, quotient 1."""
 
 
-def arriving(light: Light, eye: tuple[float, float, float]) -> Callable[[DD], Arriving]:
+def arriving(light: DeltaLight, eye: tuple[float, float, float]) -> Callable[[DD], Arriving]:
     """The light as a function of points (3, n) relative to the eye; what does not depend on the point is computed once."""
     if isinstance(light, DirectionalLight):
         return _directional(light)

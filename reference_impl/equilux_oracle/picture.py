@@ -100,6 +100,6 @@ def _shade_all(scene: Scene, seen: Visible, hit: npt.NDArray[np.intp]) -> tuple[
     here = surface(list(scene.materials.values()), material_of[seen.object_id[hit]], scene.ambient)
     normal, to_viewer, point = seen.normal[:, hit], seen.to_viewer[:, hit], seen.point[:, hit]
     shading = Shading.begin(here)
-    for light in scene.lights.values():
+    for light in scene.delta_lights.values():
         shade(here, normal, to_viewer, arriving(light, scene.camera.eye)(point), shading)
     return *shading.finish(), shading.scale

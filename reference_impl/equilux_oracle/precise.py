@@ -17,10 +17,10 @@ from equilux_scenes.case import Case
 from equilux_scenes.model import (
     Box,
     Cylinder,
+    DeltaLight,
     DirectionalLight,
     Disc,
     Film,
-    Light,
     Material,
     Object,
     OrthographicCamera,
@@ -190,7 +190,7 @@ def _cylinder(base: Vector, top: Vector, radius: mpf, capped: bool, o: Vector, d
 # --- lights and the formula -------------------------------------------------------------------------------------------
 
 
-def _arriving(light: Light, point: Vector) -> tuple[Vector, Bands]:
+def _arriving(light: DeltaLight, point: Vector) -> tuple[Vector, Bands]:
     """Unit vector to the light, and E."""
     if isinstance(light, DirectionalLight):
         return _unit(_times(mpf(-1), _exact(light.direction))), _exact(light.irradiance)
@@ -211,7 +211,7 @@ def _shade(scene: Scene, material: Material, seen: Seen) -> tuple[Bands, Bands]:
     k_amb, k_diff, k_spec = _exact(material.ambient), _exact(material.diffuse), _exact(material.specular)
     n, v = seen.normal, seen.to_viewer
     radiance = scale = _bands(lambda b: emission[b] + k_amb[b] * ambient[b])
-    for light in scene.lights.values():
+    for light in scene.delta_lights.values():
         to_light, e = _arriving(light, seen.point)
         n_l = _dot(n, to_light)
         scale = _bands(lambda b, s=scale, e=e: s[b] + e[b] * (k_diff[b] + k_spec[b]))

@@ -22,6 +22,22 @@ class Projection(enum.Enum):
     perspective = 0
     orthographic = 1
 
+class Model(enum.Enum):
+    phong = 0
+    opengl = 1
+    raytraced = 2
+    reflection_equation = 3
+
+class EmitterKind(enum.Enum):
+    sphere = 0
+    disc = 1
+    rectangle = 2
+
+class Brdf(enum.Enum):
+    lambert = 0
+    phong_classic = 1
+    phong_cosine = 2
+
 class LightKind(enum.Enum):
     point = 0
     directional = 1
@@ -50,11 +66,14 @@ class SceneDescription:
     """The scene as plain numbers, world coordinates, SI units."""
 
     def __init__(self) -> None: ...
+    def set_model(
+        self, *, model: Model, recursion_limit: int, attenuated_shadows: bool, infinite_viewer: bool
+    ) -> None: ...
     def set_camera(
         self, *, projection: Projection, eye: _Triple, target: _Triple, up: _Triple, fov_y_deg: float = 0.0, height_m: float = 0.0
     ) -> None: ...
     def set_film(self, width: int, height: int) -> None: ...
-    def set_surroundings(self, *, ambient: _Triple, background: _Triple) -> None: ...
+    def set_surroundings(self, *, ambient: _Triple, background: _Triple, has_environment: bool = False) -> None: ...
     def add_light(
         self,
         *,
@@ -65,9 +84,26 @@ class SceneDescription:
         attenuation: _Triple = ...,
         cone_half_angle_deg: float = 90.0,
         exponent: float = 0.0,
+        ambient: _Triple = ...,
+        diffuse: _Triple = ...,
+        specular: _Triple = ...,
+    ) -> None: ...
+    def add_emitter(
+        self, *, kind: EmitterKind, radiance: _Triple, a: _Triple, b: _Triple = ..., c: _Triple = ..., radius: float = 0.0
     ) -> None: ...
     def add_material(
-        self, *, diffuse: _Triple, specular: _Triple, exponent: float, ambient: _Triple, emission: _Triple
+        self,
+        *,
+        diffuse: _Triple,
+        specular: _Triple,
+        exponent: float,
+        ambient: _Triple,
+        emission: _Triple,
+        reflection: _Triple = ...,
+        transmission: _Triple = ...,
+        transparency: float = 0.0,
+        ior: float = 1.0,
+        brdf: Brdf = ...,
     ) -> int: ...
     def add_mesh(
         self, *, vertices: _Doubles, faces: npt.NDArray[np.int64], vertex_normals: _Doubles | None

@@ -6,12 +6,14 @@ from typing import Any
 
 from equilux_scenes.case import Case
 from equilux_scenes.model import (
+    AreaEmitter,
     Attenuation,
     Box,
     Cylinder,
+    DeltaLight,
     DirectionalLight,
     Disc,
-    Light,
+    DiscEmitter,
     Material,
     Mesh,
     Object,
@@ -20,23 +22,48 @@ from equilux_scenes.model import (
     Plane,
     PointLight,
     Rectangle,
+    RectangleEmitter,
     Sphere,
+    SphereEmitter,
 )
 from equilux_scenes.transforms import matrix
 from equilux_tracer import _tracer
+
+_MODELS = {
+    "phong": _tracer.Model.phong,
+    "opengl": _tracer.Model.opengl,
+    "raytraced": _tracer.Model.raytraced,
+    "reflection-equation": _tracer.Model.reflection_equation,
+}
+_BRDFS = {
+    "lambert": _tracer.Brdf.lambert,
+    "phong-classic": _tracer.Brdf.phong_classic,
+    "phong-cosine": _tracer.Brdf.phong_cosine,
+}
 
 
 def describe(case: Case) -> _tracer.SceneDescription:
     """The case as the tracer wants it. Raises TracerError for a scene that it cannot hold."""
     scene = case.scene
-    if scene.model != "phong":
-        raise _tracer.TracerError(f"model: got {scene.model!r}, allowed 'phong'")
     description = _tracer.SceneDescription()
+    description.set_model(
+        model=_MODELS[scene.model],
+        recursion_limit=scene.recursion_limit,
+        attenuated_shadows=scene.transparent_shadows == "attenuate",
+        infinite_viewer=scene.viewer == "infinite",
+    )
     _describe_camera(description, scene.camera)
     description.set_film(scene.film.width, scene.film.height)
-    description.set_surroundings(ambient=scene.ambient, background=scene.background)
-    for light in scene.lights.values():
+    environment = scene.environment
+    description.set_surroundings(
+        ambient=scene.ambient,
+        background=scene.background if environment is None else environment.radiance,
+        has_environment=environment is not None,
+    )
+    for light in scene.delta_lights.values():
         _describe_light(description, light)
+    for emitter in scene.area_emitters.values():
+        _describe_emitter(description, emitter)
     materials = {name: _describe_material(description, material) for name, material in scene.materials.items()}
     for index, obj in enumerate(scene.objects):
         shape = _shape(obj)
@@ -55,13 +82,33 @@ def _describe_camera(description: _tracer.SceneDescription, camera: PerspectiveC
     description.set_camera(projection=projection, eye=camera.eye, target=camera.target, up=camera.up, **size)
 
 
-def _describe_light(description: _tracer.SceneDescription, light: Light) -> None:
+def _describe_emitter(description: _tracer.SceneDescription, emitter: AreaEmitter) -> None:
+    kind = _tracer.EmitterKind
+    match emitter:
+        case SphereEmitter():
+            description.add_emitter(kind=kind.sphere, radiance=emitter.radiance, a=emitter.center, radius=emitter.radius)
+        case DiscEmitter():
+            description.add_emitter(
+                kind=kind.disc, radiance=emitter.radiance, a=emitter.center, b=emitter.normal, radius=emitter.radius
+            )
+        case RectangleEmitter():
+            description.add_emitter(
+                kind=kind.rectangle, radiance=emitter.radiance, a=emitter.corner, b=emitter.edge_u, c=emitter.edge_v
+            )
+
+
+def _describe_light(description: _tracer.SceneDescription, light: DeltaLight) -> None:
     kind = _tracer.LightKind
+    colours: dict[str, Any] = {"ambient": light.ambient, "diffuse": light.diffuse, "specular": light.specular}
     if isinstance(light, DirectionalLight):
-        description.add_light(kind=kind.directional, strength=light.irradiance, direction=light.direction)
+        description.add_light(kind=kind.directional, strength=light.irradiance, direction=light.direction, **colours)
     elif isinstance(light, PointLight):
         description.add_light(
-            kind=kind.point, strength=light.intensity, position=light.position, attenuation=_terms(light.attenuation)
+            kind=kind.point,
+            strength=light.intensity,
+            position=light.position,
+            attenuation=_terms(light.attenuation),
+            **colours,
         )
     else:
         description.add_light(
@@ -72,6 +119,7 @@ def _describe_light(description: _tracer.SceneDescription, light: Light) -> None
             attenuation=_terms(light.attenuation),
             cone_half_angle_deg=light.cone_half_angle_deg,
             exponent=light.exponent,
+            **colours,
         )
 
 
@@ -86,6 +134,11 @@ def _describe_material(description: _tracer.SceneDescription, material: Material
         exponent=material.exponent,
         ambient=material.ambient,
         emission=material.emission,
+        reflection=material.reflection,
+        transmission=material.transmission,
+        transparency=material.transparency,
+        ior=material.ior,
+        brdf=_BRDFS[material.brdf],
     )
 
 

@@ -1,154 +1,20 @@
-#include "kernel.h"
-
-#include <limits>
-
-#include "phong.h"
-#include "precision.h"
-#include "signature.h"
+#include "kernels.h"
 
 namespace equilux {
-namespace {
-
-// What the kernel is compiled for. Anything that is false here leaves no code behind.
-template <class PrecisionPolicy, bool SpecularTerm, bool SpotLights, bool TermChannels>
-struct Compiled {
-  using Precision = PrecisionPolicy;
-  static constexpr bool specular = SpecularTerm, spot = SpotLights, channels = TermChannels;
-};
-
-void write(double* out, std::size_t index, const Bands& value) {
-  out[3 * index] = value.r;
-  out[3 * index + 1] = value.g;
-  out[3 * index + 2] = value.b;
-}
-
-void write(double* out, std::size_t index, const Vec3d& value) { write(out, index, Bands{value.x, value.y, value.z}); }
-
-// A miss shows the background, which is none of the terms.
-template <class F> void write_miss(const World& world, const Outputs& out, std::size_t i) {
-  if (out.radiance) write(out.radiance, i, world.description.background);
-  if constexpr (F::channels) {
-    const std::size_t lights = world.lights.size();
-    if (out.emission) write(out.emission, i, Bands{});
-    if (out.ambient) write(out.ambient, i, Bands{});
-    for (std::size_t k = 0; k < lights; ++k) {
-      if (out.diffuse) write(out.diffuse, i * lights + k, Bands{});
-      if (out.specular) write(out.specular, i * lights + k, Bands{});
-    }
-    if (out.rounding) write(out.rounding, i, Bands{});
-    if (out.object_id) out.object_id[i] = -1;
-    if (out.depth) out.depth[i] = std::numeric_limits<double>::infinity();
-    if (out.normal) write(out.normal, i, Vec3d{});
-    constexpr double nowhere = std::numeric_limits<double>::quiet_NaN();
-    if (out.position) write(out.position, i, Vec3d{nowhere, nowhere, nowhere});
-    if (out.signature) out.signature[i] = signature_of_a_miss;
-  }
-}
-
-void write_geometry(const World& world, const SurfacePoint& point, const Outputs& out, std::size_t i) {
-  if (out.object_id) out.object_id[i] = point.object;
-  if (out.depth) out.depth[i] = point.distance;
-  if (out.normal) write(out.normal, i, to_double(point.normal));
-  if (out.position) write(out.position, i, to_double(point.position + exactly(world.camera.eye)));
-}
-
-// What one light may add to the error, lit or not, in units of Rounding::unit.
-Bands rounding_of_light(const Light& light, const Arriving& arriving, const MaterialDescription& material) {
-  if (!arriving.in_cone) return {};
-  const double spot = light.given.kind == LightKind::spot ? Rounding::cone(light.given.exponent) : 0;
-  const Bands reflected = material.diffuse + material.specular;
-  const Bands local = material.diffuse * Rounding::diffuse + material.specular * Rounding::lobe(material.exponent);
-  return light.given.strength * (local * arriving.share + reflected * (spot * arriving.attenuated));
-}
-
-template <class F> void shade(const World& world, const SurfacePoint& point, const Outputs& out, std::size_t i) {
-  const MaterialDescription& material =
-      world.description.materials[static_cast<std::size_t>(world.objects[static_cast<std::size_t>(point.object)].material)];
-  const Vec3d normal = to_double(point.normal), to_viewer = to_double(point.to_viewer);
-  const Bands ambient = material.ambient * world.description.ambient;
-  Bands radiance = material.emission + ambient;
-  Bands rounding;
-  Signature signature(point);
-  const std::size_t lights = world.lights.size();
-
-  for (std::size_t k = 0; k < lights; ++k) {
-    // 1. What arrives, and whether it arrives from in front
-    const Arriving arriving = arriving_light<F::spot>(world.lights[k], point);
-    const double cosine = cosine_to_light(point, normal, arriving);
-    const bool in_front = cosine > 0;
-    const Bands irradiance = world.lights[k].given.strength * arriving.share;
-
-    // 2. The two terms
-    Bands diffuse, specular;
-    bool mirrored = false;
-    if (in_front && arriving.in_cone) {
-      diffuse = irradiance * material.diffuse * cosine;
-      if constexpr (F::specular) {
-        if (material.specular.any()) {
-          const double lobe = highlight(point, normal, to_viewer, arriving, cosine, material.exponent);
-          specular = irradiance * material.specular * lobe;
-          mirrored = lobe > 0;
-        }
-      }
-    }
-    radiance = radiance + (diffuse + specular);
-
-    // 3. Channels
-    if constexpr (F::channels) {
-      if (out.diffuse) write(out.diffuse, i * lights + k, diffuse);
-      if (out.specular) write(out.specular, i * lights + k, specular);
-      rounding = rounding + rounding_of_light(world.lights[k], arriving, material);
-      signature.add_light(in_front, arriving.in_cone, mirrored && material.exponent < 1);
-    }
-  }
-  if (out.radiance) write(out.radiance, i, radiance);
-  if constexpr (F::channels) {
-    if (out.emission) write(out.emission, i, material.emission);
-    if (out.ambient) write(out.ambient, i, ambient);
-    if (out.rounding) write(out.rounding, i, (rounding + radiance * (static_cast<double>(lights) + 3)) * Rounding::unit);
-    if (out.signature) out.signature[i] = signature.value();
-    write_geometry(world, point, out, i);
-  }
-}
-
-template <class F>
-bool render_with(const World& world, const Samples& samples, const Outputs& out, int threads, const Cancel* cancel,
-                 const Interrupted& interrupted) {
-  return for_each_chunk(samples.count, threads, cancel, interrupted, [&](std::size_t begin, std::size_t end) {
-    Search search;
-    search.world = &world;
-    SurfacePoint point;
-    for (std::size_t i = begin; i < end; ++i) {
-      double x, y;
-      samples.position(i, x, y);
-      if (F::Precision::find(world, search, x, y, point)) {
-        shade<F>(world, point, out, i);
-      } else {
-        write_miss<F>(world, out, i);
-      }
-    }
-  });
-}
-
-using RenderFunction = bool (*)(const World&, const Samples&, const Outputs&, int, const Cancel*, const Interrupted&);
-
-// 2 × 2 × 2 instantiations per precision.
-template <class Precision> RenderFunction choose(bool specular, bool spot, bool channels) {
-  static constexpr RenderFunction table[8] = {
-      render_with<Compiled<Precision, false, false, false>>, render_with<Compiled<Precision, false, false, true>>,
-      render_with<Compiled<Precision, false, true, false>>,  render_with<Compiled<Precision, false, true, true>>,
-      render_with<Compiled<Precision, true, false, false>>,  render_with<Compiled<Precision, true, false, true>>,
-      render_with<Compiled<Precision, true, true, false>>,   render_with<Compiled<Precision, true, true, true>>,
-  };
-  return table[(specular ? 4 : 0) + (spot ? 2 : 0) + (channels ? 1 : 0)];
-}
-
-}  // namespace
 
 bool render(const World& world, const Samples& samples, const Outputs& outputs, int threads, const Cancel* cancel,
             const Interrupted& interrupted) {
-  const RenderFunction kernel = choose<Exact>(world.features.specular, world.features.spot, !outputs.only_radiance());
-  return kernel(world, samples, outputs, threads, cancel, interrupted);
+  switch (world.description.model) {
+    case Model::phong:
+      return render_local(world, samples, outputs, threads, cancel, interrupted);
+    case Model::opengl:
+      throw TracerError("model opengl: not in this version");
+    case Model::raytraced:
+      throw TracerError("model raytraced: not in this version");
+    case Model::reflection_equation:
+      throw TracerError("model reflection-equation: not in this version");
+  }
+  throw TracerError("no such model");
 }
 
 }  // namespace equilux

@@ -160,6 +160,19 @@ void bind_kinds(nb::module_& m) {
       .value("point", LightKind::point)
       .value("directional", LightKind::directional)
       .value("spot", LightKind::spot);
+  nb::enum_<Model>(m, "Model")
+      .value("phong", Model::phong)
+      .value("opengl", Model::opengl)
+      .value("raytraced", Model::raytraced)
+      .value("reflection_equation", Model::reflection_equation);
+  nb::enum_<EmitterKind>(m, "EmitterKind")
+      .value("sphere", EmitterKind::sphere)
+      .value("disc", EmitterKind::disc)
+      .value("rectangle", EmitterKind::rectangle);
+  nb::enum_<Brdf>(m, "Brdf")
+      .value("lambert", Brdf::lambert)
+      .value("phong_classic", Brdf::phong_classic)
+      .value("phong_cosine", Brdf::phong_cosine);
   nb::enum_<ShapeKind>(m, "ShapeKind")
       .value("sphere", ShapeKind::sphere)
       .value("plane", ShapeKind::plane)
@@ -173,6 +186,15 @@ void bind_kinds(nb::module_& m) {
 void bind_description(nb::module_& m) {
   nb::class_<SceneDescription>(m, "SceneDescription", "The scene as plain numbers, world coordinates, SI units.")
       .def(nb::init<>())
+      .def(
+          "set_model",
+          [](SceneDescription& scene, Model model, int recursion_limit, bool attenuated_shadows, bool infinite_viewer) {
+            scene.model = model;
+            scene.recursion_limit = recursion_limit;
+            scene.attenuated_shadows = attenuated_shadows;
+            scene.infinite_viewer = infinite_viewer;
+          },
+          nb::kw_only(), nb::arg("model"), nb::arg("recursion_limit"), nb::arg("attenuated_shadows"), nb::arg("infinite_viewer"))
       .def(
           "set_camera",
           [](SceneDescription& scene, Projection projection, const Triple& eye, const Triple& target, const Triple& up,
@@ -191,28 +213,40 @@ void bind_description(nb::module_& m) {
           nb::arg("width"), nb::arg("height"))
       .def(
           "set_surroundings",
-          [](SceneDescription& scene, const Triple& ambient, const Triple& background) {
+          [](SceneDescription& scene, const Triple& ambient, const Triple& background, bool has_environment) {
             scene.ambient = bands(ambient);
             scene.background = bands(background);
+            scene.has_environment = has_environment;
           },
-          nb::kw_only(), nb::arg("ambient"), nb::arg("background"))
+          nb::kw_only(), nb::arg("ambient"), nb::arg("background"), nb::arg("has_environment") = false)
       .def(
           "add_light",
           [](SceneDescription& scene, LightKind kind, const Triple& strength, const Triple& position, const Triple& direction,
-             const Triple& attenuation, double cone_half_angle_deg, double exponent) {
+             const Triple& attenuation, double cone_half_angle_deg, double exponent, const Triple& ambient, const Triple& diffuse,
+             const Triple& specular) {
             scene.lights.push_back({kind, vec(position), vec(direction), bands(strength), attenuation[0], attenuation[1],
-                                    attenuation[2], cone_half_angle_deg, exponent});
+                                    attenuation[2], cone_half_angle_deg, exponent, bands(ambient), bands(diffuse), bands(specular)});
           },
           nb::kw_only(), nb::arg("kind"), nb::arg("strength"), nb::arg("position") = Triple{}, nb::arg("direction") = Triple{},
-          nb::arg("attenuation") = Triple{0, 0, 1}, nb::arg("cone_half_angle_deg") = 90.0, nb::arg("exponent") = 0.0)
+          nb::arg("attenuation") = Triple{0, 0, 1}, nb::arg("cone_half_angle_deg") = 90.0, nb::arg("exponent") = 0.0, nb::arg("ambient") = Triple{0, 0, 0},
+          nb::arg("diffuse") = Triple{1, 1, 1}, nb::arg("specular") = Triple{1, 1, 1})
+      .def(
+          "add_emitter",
+          [](SceneDescription& scene, EmitterKind kind, const Triple& radiance, const Triple& a, const Triple& b, const Triple& c,
+             double radius) { scene.emitters.push_back({kind, vec(a), vec(b), vec(c), radius, bands(radiance)}); },
+          nb::kw_only(), nb::arg("kind"), nb::arg("radiance"), nb::arg("a"), nb::arg("b") = Triple{}, nb::arg("c") = Triple{},
+          nb::arg("radius") = 0.0)
       .def(
           "add_material",
           [](SceneDescription& scene, const Triple& diffuse, const Triple& specular, double exponent, const Triple& ambient,
-             const Triple& emission) {
-            scene.materials.push_back({bands(diffuse), bands(specular), exponent, bands(ambient), bands(emission)});
+             const Triple& emission, const Triple& reflection, const Triple& transmission, double transparency, double ior, Brdf brdf) {
+            scene.materials.push_back({bands(diffuse), bands(specular), exponent, bands(ambient), bands(emission), bands(reflection),
+                                       bands(transmission), transparency, ior, brdf});
             return static_cast<int>(scene.materials.size()) - 1;
           },
-          nb::kw_only(), nb::arg("diffuse"), nb::arg("specular"), nb::arg("exponent"), nb::arg("ambient"), nb::arg("emission"))
+          nb::kw_only(), nb::arg("diffuse"), nb::arg("specular"), nb::arg("exponent"), nb::arg("ambient"), nb::arg("emission"),
+          nb::arg("reflection") = Triple{}, nb::arg("transmission") = Triple{}, nb::arg("transparency") = 0.0, nb::arg("ior") = 1.0,
+          nb::arg("brdf") = Brdf::phong_classic)
       .def("add_mesh", &add_mesh, nb::kw_only(), nb::arg("vertices"), nb::arg("faces"), nb::arg("vertex_normals").none())
       .def("add_object", &add_object, nb::kw_only(), nb::arg("kind"), nb::arg("material"), nb::arg("matrix"),
            nb::arg("a") = Triple{}, nb::arg("b") = Triple{}, nb::arg("c") = Triple{}, nb::arg("radius") = 0.0,

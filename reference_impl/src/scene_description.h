@@ -35,6 +35,8 @@ struct CameraDescription {
   double height_m = 0;   // orthographic, the full height
 };
 
+enum class Model { phong, opengl, raytraced, reflection_equation };
+
 enum class LightKind { point, directional, spot };
 
 struct LightDescription {
@@ -44,12 +46,28 @@ struct LightDescription {
   Bands strength;    // radiant intensity W/sr (point, spot: on the axis) or irradiance W/m² (directional)
   double constant = 0, linear = 0, quadratic = 1;
   double cone_half_angle_deg = 90, exponent = 0;  // spot
+  Bands ambient, diffuse{1, 1, 1}, specular{1, 1, 1};  // opengl: shares of the strength
 };
+
+enum class EmitterKind { sphere, disc, rectangle };
+
+// A surface that shines, in model reflection_equation. What a, b and c mean is as for objects.
+struct EmitterDescription {
+  EmitterKind kind = EmitterKind::sphere;
+  Vec3d a, b, c;
+  double radius = 0;
+  Bands radiance;
+};
+
+enum class Brdf { lambert, phong_classic, phong_cosine };
 
 struct MaterialDescription {
   Bands diffuse, specular;  // 1/sr
   double exponent = 1;
   Bands ambient, emission;
+  Bands reflection, transmission;  // k_refl, k_trans
+  double transparency = 0, ior = 1;
+  Brdf brdf = Brdf::phong_classic;
 };
 
 enum class ShapeKind { sphere, plane, box, disc, rectangle, cylinder, mesh };
@@ -74,10 +92,16 @@ struct ObjectDescription {
 };
 
 struct SceneDescription {
+  Model model = Model::phong;
+  int recursion_limit = 8;
+  bool attenuated_shadows = true;   // raytraced: false: objects with t > 0 cast none
+  bool infinite_viewer = false;     // opengl
+  bool has_environment = false;     // reflection_equation; its radiance is `background`
   CameraDescription camera;
   int width = 1, height = 1;
   Bands ambient, background;
   std::vector<LightDescription> lights;
+  std::vector<EmitterDescription> emitters;
   std::vector<MaterialDescription> materials;
   std::vector<ObjectDescription> objects;
   std::vector<MeshDescription> meshes;

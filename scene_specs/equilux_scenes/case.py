@@ -61,6 +61,9 @@ class Case:
             "film": scene.film.model_dump(),
             "ambient": scene.ambient,
             "background": scene.background,
+            "recursion_limit": scene.recursion_limit,
+            "transparent_shadows": scene.transparent_shadows,
+            "viewer": scene.viewer,
             "lights": [light.model_dump() for light in scene.lights.values()],
             "objects": [self._canonical_object(index, obj) for index, obj in enumerate(scene.objects)],
         }

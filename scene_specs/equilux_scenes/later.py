@@ -6,19 +6,12 @@ Each lighting model that arrives moves its words from here into `model`.
 from __future__ import annotations
 
 _PHOTOMETRY = "spectra and photometric units are not in this version"
-_MODEL = "this version does not have that lighting model yet"
-_EMITTERS = "the model 'reflection-equation', which is not in this version, has it"
 
 TERMS_OF_LATER_VERSIONS: dict[tuple[str, str], str] = {
     ("lights", "spectrum"): _PHOTOMETRY,
     ("lights", "luminous_intensity"): _PHOTOMETRY,
-    ("lights", "radiance"): _EMITTERS,
-    ("materials", "brdf"): _EMITTERS,
 }
 """(group of parts, key) → where it belongs."""
 
-KINDS_OF_LATER_VERSIONS: dict[tuple[str, str], str] = {
-    **{("lights", kind): _EMITTERS for kind in ("sphere", "disc", "rectangle", "environment")},
-    **{("model", model): _MODEL for model in ("opengl", "raytraced", "reflection-equation")},
-}
+KINDS_OF_LATER_VERSIONS: dict[tuple[str, str], str] = {}
 """(group of parts or key, value) → why it is not there."""

@@ -2,7 +2,7 @@
 
 Frozen pydantic models, one class per `kind`. Units are SI and bands are linear: see CONVENTIONS.md. The meaning of every term is
 the lighting model's; nothing here evaluates it. A term of another lighting model than the scene's is marked `OnlyIn` and keeps
-its default. A new lighting model is one more entry of `LIGHTING_MODELS` and of `Scene.model`, and its terms stand here.
+its default.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ LIGHTING_MODELS = {
     "raytraced": "occlusion, mirror reflection and refraction, to a recursion limit",
     "reflection-equation": "direct light of extended emitters, integrated over the hemisphere",
 }
-"""Every lighting model of the spec language; `Scene.model` names those that this version has."""
+"""Every lighting model, and what it is."""
 
 ZERO = (0.0, 0.0, 0.0)
 ONE = (1.0, 1.0, 1.0)
@@ -158,7 +158,62 @@ class SpotLight(LightColours):
     attenuation: Attenuation = INVERSE_SQUARE
 
 
-Light = Annotated[PointLight | DirectionalLight | SpotLight, Field(discriminator="kind")]
+class Emitter(Part):
+    """Base of the lights of model `reflection-equation` that have an extent: uniform, diffuse, seen by the camera."""
+
+    radiance: Bands
+    """W/(m²·sr), alike in all directions in which it shines."""
+
+
+class SphereEmitter(Emitter):
+    """An opaque sphere that shines outward."""
+
+    kind: Literal["sphere"]
+    center: Vector3
+    """Metres."""
+    radius: Positive
+    """Metres."""
+
+
+class DiscEmitter(Emitter):
+    """An opaque disc that shines on its normal's side and is black behind."""
+
+    kind: Literal["disc"]
+    center: Vector3
+    """Metres."""
+    normal: Direction
+    radius: Positive
+    """Metres."""
+
+
+class RectangleEmitter(Emitter):
+    """An opaque rectangle that shines on the side of edge_u × edge_v and is black behind."""
+
+    kind: Literal["rectangle"]
+    corner: Vector3
+    """Metres."""
+    edge_u: Direction
+    """From the corner to the next one, metres."""
+    edge_v: Direction
+    """From the corner to the other next one, orthogonal to edge_u, metres."""
+
+
+class EnvironmentEmitter(Emitter):
+    """What every ray that misses sees, in all directions alike."""
+
+    kind: Literal["environment"]
+
+
+DeltaLight = PointLight | DirectionalLight | SpotLight
+"""The lights without an extent; the camera does not see them."""
+
+AreaEmitter = SphereEmitter | DiscEmitter | RectangleEmitter
+"""The emitters that are surfaces."""
+
+Light = Annotated[
+    PointLight | DirectionalLight | SpotLight | SphereEmitter | DiscEmitter | RectangleEmitter | EnvironmentEmitter,
+    Field(discriminator="kind"),
+]
 
 
 # --- materials --------------------------------------------------------------------------------------------------------
@@ -173,10 +228,13 @@ class Material(Part):
     """K_spec, 1/sr."""
     exponent: NonNegative = 1.0
     """p of the highlight (R·V)^p."""
-    ambient: Bands = ZERO
+    ambient: Annotated[Bands, OnlyIn("phong", "opengl", "raytraced")] = ZERO
     """K_amb, multiplies the scene's ambient radiance."""
     emission: Bands = ZERO
     """K_emit, W/(m²·sr)."""
+    brdf: Annotated[Literal["lambert", "phong-classic", "phong-cosine"], OnlyIn("reflection-equation")] = "phong-classic"
+    """lambert: f_r = K_diff. phong-classic: f_r cosθ_i = K_diff cosθ_i + K_spec (R·V)^p. phong-cosine: f_r = K_diff +
+    K_spec (R·V)^p."""
     reflection: Annotated[Bands, OnlyIn("raytraced")] = ZERO
     """k_refl, weight of the mirrored radiance."""
     transmission: Annotated[Bands, OnlyIn("raytraced")] = ZERO
@@ -345,17 +403,18 @@ class Scene(Part):
     name: Annotated[str, Field(pattern="^[a-z0-9-]+$", max_length=100), Allowed("1 to 100 of a to z, 0 to 9 and -")]
     about: Text = ""
     """What the scene shows, in a sentence."""
-    model: Annotated[Literal["phong"], Allowed("phong")]
+    model: Literal["phong", "opengl", "raytraced", "reflection-equation"]
     """The lighting model that the scene is about."""
     camera: Camera
     film: Film
-    ambient: Bands = ZERO
+    ambient: Annotated[Bands, OnlyIn("phong", "opengl", "raytraced")] = ZERO
     """L_amb, W/(m²·sr)."""
     background: Bands = ZERO
     """Radiance of rays that miss, W/(m²·sr)."""
     lights: dict[str, Light] = {}
     materials: dict[str, Material] = {}
-    objects: tuple[Object, ...]
+    objects: tuple[Object, ...] = ()
+    """May be left out only where there is an emitter to be seen."""
     recursion_limit: Annotated[int, Field(ge=0), Allowed("an integer ≥ 0"), OnlyIn("raytraced")] = 8
     """How many reflected or refracted rays in succession."""
     transparent_shadows: Annotated[Literal["attenuate", "ignore"], Allowed("attenuate or ignore"), OnlyIn("raytraced")] = (
@@ -368,3 +427,18 @@ class Scene(Part):
     """Axes; the cases are their product, in file order."""
     expect: tuple[Expectation, ...] = ()
     """Divergences that are known."""
+
+    @property
+    def delta_lights(self) -> dict[str, DeltaLight]:
+        """The lights without an extent, by name; in every model but `reflection-equation` these are all."""
+        return {name: light for name, light in self.lights.items() if isinstance(light, DeltaLight)}
+
+    @property
+    def area_emitters(self) -> dict[str, AreaEmitter]:
+        """The emitters that are surfaces, by name."""
+        return {name: light for name, light in self.lights.items() if isinstance(light, AreaEmitter)}
+
+    @property
+    def environment(self) -> EnvironmentEmitter | None:
+        """What missing rays see, if the scene has an environment."""
+        return next((light for light in self.lights.values() if isinstance(light, EnvironmentEmitter)), None)

@@ -223,10 +223,10 @@ class Reader:
         """Whether the scene's model has the term, or it keeps its default."""
         only = next((item for item in field.metadata if isinstance(item, OnlyIn)), None)
         default = field.get_default(call_default_factory=True)
-        if only is None or value == default or self.context.model == only.model or self.context.model not in LIGHTING_MODELS:
+        if only is None or value == default or self.context.model in only.models or self.context.model not in LIGHTING_MODELS:
             return True
         words = f"only its default, {_default_words(default)}, in a '{self.context.model}' scene"
-        self._not_allowed(node, path, words, f" (the model '{only.model}' has this term)")
+        self._not_allowed(node, path, words, f" (the model {only} has this term)")
         return False
 
     def _unknown_keys(self, cls: type[Part], node: MapNode, path: Path) -> None:

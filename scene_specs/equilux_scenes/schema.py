@@ -36,7 +36,7 @@ def json_schema() -> dict[str, Any]:
         for name, field in cls.model_fields.items():
             only = next((item for item in field.metadata if isinstance(item, OnlyIn)), None)
             if only is not None and name in properties:
-                words = f"Only in the model {only.model}; in a scene of another model, leave it out."
+                words = f"Only in the model {only}; in a scene of another model, leave it out."
                 properties[name]["description"] = f"{field.description} {words}" if field.description else words
     return {"$schema": DIALECT, **schema, "title": "equilux scene spec"}
 

@@ -20,11 +20,14 @@ class Allowed:
         return (self.text, *self.inside)[min(depth, len(self.inside))]
 
 
-@dataclass(frozen=True)
 class OnlyIn:
     """Marks a term that only some lighting models have; in a scene of any other model it must keep its default."""
 
-    model: str
+    def __init__(self, *models: str) -> None:
+        self.models = models
+
+    def __str__(self) -> str:
+        return " or ".join(f"'{model}'" for model in self.models)
 
 
 def _as_tuple(value: Any) -> Any:

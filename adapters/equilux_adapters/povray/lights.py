@@ -12,7 +12,7 @@ from equilux_adapters.povray import attenuation, distances
 from equilux_adapters.povray.frame import Frame
 from equilux_adapters.povray.numbers import bands, number, vector
 from equilux_scenes.case import Case
-from equilux_scenes.model import DirectionalLight, Light, SpotLight
+from equilux_scenes.model import DeltaLight, DirectionalLight, SpotLight
 from equilux_scenes.transforms import unit
 
 
@@ -34,7 +34,7 @@ class Lamp:
 def lamps(case: Case, frame: Frame, fade_ratio: float) -> list[Lamp]:
     """Every light of the scene, in file order. Raises Unsupported naming every attenuation that cannot be expressed."""
     result, problems = [], []
-    for name, light in case.scene.lights.items():
+    for name, light in case.scene.delta_lights.items():
         try:
             result.append(_lamp(case, name, light, frame, fade_ratio))
         except Unsupported as problem:
@@ -45,7 +45,7 @@ def lamps(case: Case, frame: Frame, fade_ratio: float) -> list[Lamp]:
     return result
 
 
-def _lamp(case: Case, name: str, light: Light, frame: Frame, fade_ratio: float) -> Lamp:
+def _lamp(case: Case, name: str, light: DeltaLight, frame: Frame, fade_ratio: float) -> Lamp:
     if isinstance(light, DirectionalLight):
         brightest = max(light.irradiance)
         return Lamp(_directional(name, light), (brightest,) * len(case.scene.objects), 0.0, 0.0, 1)
@@ -60,7 +60,7 @@ def _lamp(case: Case, name: str, light: Light, frame: Frame, fade_ratio: float) 
     return Lamp("\n".join([comment, *sources]), irradiance, law.relative, law.cancelled * brightest, len(sources))
 
 
-def _terms(light: Light) -> Iterator[str]:
+def _terms(light: DeltaLight) -> Iterator[str]:
     assert not isinstance(light, DirectionalLight)
     for factor, power in ((light.attenuation.constant, ""), (light.attenuation.linear, "r"), (light.attenuation.quadratic, "r²")):
         if factor:
@@ -74,7 +74,7 @@ def _directional(name: str, light: DirectionalLight) -> str:
     return f"// {name}\nlight_source {{ {vector(towards)}, {colour} parallel point_at <0, 0, 0> }}"
 
 
-def _source(light: Light, term: attenuation.Term, frame: Frame) -> str:
+def _source(light: DeltaLight, term: attenuation.Term, frame: Frame) -> str:
     assert not isinstance(light, DirectionalLight)
     position = frame.point(light.position)
     colour = f"rgb {bands(light.intensity)} * {_factor(term, frame)}Exposure"

@@ -47,7 +47,7 @@ def facts_of(case: Case, knobs: VtkKnobs) -> dict[str, Any]:
     facts: dict[str, Any] = {"facets": geometry_of(case, knobs), "set_back_m": set_back_of(case, knobs)}
     facts["lights"] = len(scene.lights)
     exponents = [scene.materials[obj.material].exponent for obj in scene.objects if any(scene.materials[obj.material].specular)]
-    exponents += [light.exponent for light in scene.lights.values() if isinstance(light, SpotLight)]
+    exponents += [light.exponent for light in scene.delta_lights.values() if isinstance(light, SpotLight)]
     facts["exponent"] = max((min(exponent, 128.0) for exponent in exponents), default=0.0)  # Q5, Q7
     facts["reach_m"] = _reach(case)
     facts["cone_px"] = _cone_px(case)
@@ -67,7 +67,7 @@ def _cone_px(case: Case) -> float:
     scene = case.scene
     view = view_of(scene.camera, scene.film)
     worst = 0.0
-    for light in scene.lights.values():
+    for light in scene.delta_lights.values():
         if isinstance(light, SpotLight):
             angle = COSINE_ROUNDINGS * U / math.sin(math.radians(light.cone_half_angle_deg))
             away = float(np.linalg.norm(np.asarray(light.position) - view.eye))

@@ -26,7 +26,7 @@ def geometry_of(case: Case, knobs: VtkKnobs) -> dict[str, Any]:
     view, reach = view_of(case.scene.camera, case.scene.film), light_reach(case)
     bounds = {index: bounds_of(case, view, index, knobs, reach) for index in range(len(case.scene.objects))}
     cones = 0.0
-    if any(isinstance(light, SpotLight) for light in case.scene.lights.values()):
+    if any(isinstance(light, SpotLight) for light in case.scene.delta_lights.values()):
         # an error of position moves the border of a cone by at most as much as it moves the point
         cones = max((found.position_m * _pixels_per_metre(case, view, index) for index, found in bounds.items()), default=0.0)
     return {
@@ -43,7 +43,7 @@ def light_reach(case: Case) -> float:
     rounding of the position changes the light's distance and direction by less than what is stated for directions anyway.
     """
     eye = np.asarray(case.scene.camera.eye)
-    lights = [light for light in case.scene.lights.values() if not isinstance(light, DirectionalLight)]
+    lights = [light for light in case.scene.delta_lights.values() if not isinstance(light, DirectionalLight)]
     return max((2 * float(np.linalg.norm(np.asarray(light.position) - eye)) for light in lights), default=0.0)
 
 

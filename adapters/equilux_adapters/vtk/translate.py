@@ -18,7 +18,7 @@ from equilux_adapters.vtk.drawing import arguments
 from equilux_adapters.vtk.knobs import VtkKnobs
 from equilux_adapters.vtk.source import kit_source, names_in
 from equilux_scenes.mesh import TriangleMesh
-from equilux_scenes.model import DirectionalLight, Light, Material, Object, PointLight, Scene
+from equilux_scenes.model import DeltaLight, DirectionalLight, Material, Object, PointLight, Scene
 
 ENTRY = "scene.py"
 
@@ -61,7 +61,7 @@ def _body(case: Case, knobs: VtkKnobs) -> list[str]:
     lines = [*_view(scene), ""]
     for key, name in surfaces.items():
         lines += [*_surface(name, scene.materials[key], scene), ""]
-    lines += _list("lights", [(_light(light), key) for key, light in scene.lights.items()])
+    lines += _list("lights", [(_light(light), key) for key, light in scene.delta_lights.items()])
     drawn = [f"({_shape(index, obj, knobs)}, {surfaces[obj.material]})" for index, obj in enumerate(scene.objects)]
     lines += _list("objects", [(text, f"objects[{index}]") for index, text in enumerate(drawn)])
     if any(steps := set_backs(case)):  # Q12
@@ -109,7 +109,7 @@ def _surface(name: str, material: Material, scene: Scene) -> list[str]:
     return lines
 
 
-def _light(light: Light) -> str:
+def _light(light: DeltaLight) -> str:
     if isinstance(light, DirectionalLight):
         return f"directional_light(direction={_tuple(light.direction)}, irradiance={_tuple(light.irradiance)})"
     terms = _tuple([light.attenuation.constant, light.attenuation.linear, light.attenuation.quadratic])
