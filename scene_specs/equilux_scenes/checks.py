@@ -17,6 +17,7 @@ import numpy as np
 from equilux_scenes.causes import CAUSES, is_known
 from equilux_scenes.errors import hint, number_text, shortened
 from equilux_scenes.expectation import Comparison, WhenError, parse_when
+from equilux_scenes.lecture import ROWS
 from equilux_scenes.limits import Limits, exceeded
 from equilux_scenes.meshes import MeshStore
 from equilux_scenes.model import (
@@ -219,6 +220,13 @@ def _names_are_usable(scene: SimpleNamespace, node: MapNode, context: Context) -
         for name, place in named.keys.items() if isinstance(named, MapNode) else ():
             if not pattern.match(name) or (group == "sweep" and name in ("and", "or")):
                 yield Problem((), message=f"name of {what}: got '{shortened(name)}', allowed {allowed}", place=place)
+
+
+@_check(Scene, needs=("shows",))
+def _rows_of_the_lecture_exist(scene: SimpleNamespace, node: MapNode, context: Context) -> Iterator[Problem]:
+    for index, row_id in enumerate(scene.shows):
+        if row_id not in ROWS:
+            yield Problem(("shows", index), "the id of a row of the lecture", hint(row_id, ROWS))
 
 
 # --- expectations -----------------------------------------------------------------------------------------------------

@@ -29,6 +29,7 @@ from equilux_scenes.values import (
     Text,
     Triangles,
     Vector3,
+    Words,
 )
 
 LIGHTING_MODELS = {
@@ -403,6 +404,8 @@ class Scene(Part):
     name: Annotated[str, Field(pattern="^[a-z0-9-]+$", max_length=100), Allowed("1 to 100 of a to z, 0 to 9 and -")]
     about: Text = ""
     """What the scene shows, in a sentence."""
+    shows: Words = ()
+    """Rows of the lecture that the scene shows: ids of `equilux_scenes.lecture`."""
     model: Literal["phong", "opengl", "raytraced", "reflection-equation"]
     """The lighting model that the scene is about."""
     camera: Camera

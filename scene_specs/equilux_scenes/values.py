@@ -74,6 +74,11 @@ Fraction = Annotated[float, Field(ge=0, le=1), Allowed("a number in [0, 1]")]
 Count = Annotated[int, Field(ge=1), Allowed("an integer ≥ 1")]
 Text = Annotated[str, Allowed("text")]
 
+Words = Annotated[
+    tuple[str, ...], BeforeValidator(_as_tuple), Allowed("a list of words", ("a word",))
+]
+"""Several words."""
+
 Vector3 = Annotated[
     tuple[float, float, float], BeforeValidator(_as_tuple), Allowed("three numbers", ("a finite number",)), _THREE_NUMBERS
 ]
