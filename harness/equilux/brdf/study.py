@@ -17,7 +17,7 @@ _CURVE_POINTS = 361
 _PAIRS = 4096
 _STEPS_PER_BISECTION = 60
 _ROUNDING = 1e-12
-"""Relative error of a power of a rounded cosine not near 0, per unit of the exponent: a few thousand ulps, far below any asymmetry."""
+"""Relative error of a power of a rounded cosine away from 0, per unit of the exponent: far below any asymmetry of a formula."""
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ from typing import Any
 
 import cyclopts
 
-from equilux.cli import adapters, report, run, scenes, score
+from equilux.cli import adapters, brdf, report, run, scenes, score
 from equilux.complaint import BadUsage
 
 BAD_USAGE = 2
@@ -31,6 +31,7 @@ def build() -> cyclopts.App:
     app.command(run.run)
     app.command(report.report)
     app.command(score.score)
+    app.command(brdf.brdf)
     app.command(scenes.build())
     app.command(adapters.build())
     return app
