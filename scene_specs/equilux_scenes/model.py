@@ -7,7 +7,7 @@ its default.
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
 from pydantic.json_schema import SkipJsonSchema
@@ -20,12 +20,16 @@ from equilux_scenes.values import (
     Directions,
     Factors,
     Fraction,
+    Intervals,
+    LuminousEfficacy,
     Matrix4,
     NonNegative,
     Number,
     OnlyIn,
+    OrFrom,
     Points,
     Positive,
+    Samples,
     Text,
     Triangles,
     Vector3,
@@ -43,11 +47,17 @@ LIGHTING_MODELS = {
 ZERO = (0.0, 0.0, 0.0)
 ONE = (1.0, 1.0, 1.0)
 
+Absent = SkipJsonSchema[None]
+"""Of a key that may be left out; written as null it is an error."""
+
 
 class Part(BaseModel):
     """Base of every part of a spec: immutable, no unknown keys, no silent conversion, no NaN or Inf."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False, use_attribute_docstrings=True)
+
+    kinds_only_in: ClassVar[OnlyIn | None] = None
+    """The models that have this kind of part, where not all do."""
 
 
 # --- camera and film --------------------------------------------------------------------------------------------------
@@ -93,7 +103,43 @@ class Film(Part):
     """Rows; row 0 is on top."""
 
 
+# --- bands and spectra ------------------------------------------------------------------------------------------------
+
+
+class BandIntervals(Part):
+    """Bands that are intervals of wavelengths, instead of the linear Rec.709 primaries."""
+
+    intervals_nm: Intervals
+    """Each band is the integral of the spectrum over its interval, ends included; intervals do not overlap."""
+
+
+class Spectrum(Part):
+    """A spectral density: exactly one of the four. Between samples it is linear in the wavelength, outside them 0."""
+
+    model_config = ConfigDict(json_schema_extra={"minProperties": 1, "maxProperties": 1})
+
+    table: Samples | Absent = None
+    """Pairs [wavelength in nm, value]: per nm in the unit of the light's bands, or relative where the light's strength is given."""
+    blackbody: Positive | Absent = None
+    """Temperature in K. Planck's law; for an emitter without a strength its own radiance, else relative."""
+    illuminant: Annotated[str | Absent, Allowed("the name of a CIE illuminant, such as D65")] = None
+    """A named illuminant; relative, as published over its table."""
+    line_nm: Positive | Absent = None
+    """A single wavelength in nm, all of the light's strength in it."""
+
+
 # --- lights -----------------------------------------------------------------------------------------------------------
+
+
+class Strength(Part):
+    """Base of all lights: how strong they are, in bands or in what determines them.
+
+    Once a scene has been read, the bands (`intensity`, `irradiance` or `radiance`) are always there; what was written instead of
+    them stays visible in the other keys.
+    """
+
+    spectrum: Spectrum | Absent = None
+    """Makes the bands; their strength is then one number, in W or lm, or absolute in a table (in a blackbody of an emitter)."""
 
 
 class Attenuation(Part):
@@ -110,7 +156,7 @@ class Attenuation(Part):
 INVERSE_SQUARE = Attenuation(quadratic=1.0)
 
 
-class LightColours(Part):
+class LightColours(Strength):
     """The separate colours of a light that the fixed-function model has; they multiply its intensity or irradiance."""
 
     ambient: Annotated[Bands, OnlyIn("opengl")] = ZERO
@@ -127,8 +173,14 @@ class PointLight(LightColours):
     kind: Literal["point"]
     position: Vector3
     """Metres."""
-    intensity: Bands
+    intensity: Annotated[Bands, OrFrom("luminous_intensity", "flux", "luminous_flux", "spectrum")]
     """Radiant intensity, W/sr."""
+    luminous_intensity: NonNegative | Absent = None
+    """Luminous intensity, cd; without a spectrum equal bands."""
+    flux: Bands | Absent = None
+    """Radiant flux into all directions, W = 4π times the intensity."""
+    luminous_flux: NonNegative | Absent = None
+    """Luminous flux into all directions, lm; without a spectrum equal bands."""
     attenuation: Attenuation = INVERSE_SQUARE
 
 
@@ -138,8 +190,10 @@ class DirectionalLight(LightColours):
     kind: Literal["directional"]
     direction: Direction
     """The way the light travels."""
-    irradiance: Bands
+    irradiance: Annotated[Bands, OrFrom("illuminance", "spectrum")]
     """On a surface that faces the light, W/m²."""
+    illuminance: NonNegative | Absent = None
+    """On a surface that faces the light, lx; without a spectrum equal bands."""
 
 
 class SpotLight(LightColours):
@@ -150,8 +204,14 @@ class SpotLight(LightColours):
     """Metres."""
     direction: Direction
     """The way the light travels along the axis."""
-    intensity: Bands
+    intensity: Annotated[Bands, OrFrom("luminous_intensity", "flux", "luminous_flux", "spectrum")]
     """Radiant intensity on the axis, W/sr."""
+    luminous_intensity: NonNegative | Absent = None
+    """Luminous intensity on the axis, cd; without a spectrum equal bands."""
+    flux: Bands | Absent = None
+    """Radiant flux of the whole cone, W."""
+    luminous_flux: NonNegative | Absent = None
+    """Luminous flux of the whole cone, lm; without a spectrum equal bands."""
     cone_half_angle_deg: Annotated[float, Field(gt=0, le=90), Allowed("a number in the interval (0, 90]")]
     """From the axis to the edge of the cone, degrees."""
     exponent: NonNegative = 0.0
@@ -159,14 +219,29 @@ class SpotLight(LightColours):
     attenuation: Attenuation = INVERSE_SQUARE
 
 
-class Emitter(Part):
+class Emitter(Strength):
     """Base of the lights of model `reflection-equation` that have an extent: uniform, diffuse, seen by the camera."""
 
-    radiance: Bands
+    kinds_only_in: ClassVar[OnlyIn | None] = OnlyIn("reflection-equation")
+
+    radiance: Annotated[Bands, OrFrom("luminance", "spectrum")]
     """W/(m²·sr), alike in all directions in which it shines."""
+    luminance: NonNegative | Absent = None
+    """cd/m²; without a spectrum equal bands."""
 
 
-class SphereEmitter(Emitter):
+class SurfaceEmitter(Emitter):
+    """An emitter that is a surface, and so has a flux: π times its area times its radiance."""
+
+    radiance: Annotated[Bands, OrFrom("luminance", "flux", "luminous_flux", "spectrum")]
+    """W/(m²·sr), alike in all directions in which it shines."""
+    flux: Bands | Absent = None
+    """Radiant flux of the whole surface, W."""
+    luminous_flux: NonNegative | Absent = None
+    """Luminous flux of the whole surface, lm; without a spectrum equal bands."""
+
+
+class SphereEmitter(SurfaceEmitter):
     """An opaque sphere that shines outward."""
 
     kind: Literal["sphere"]
@@ -176,7 +251,7 @@ class SphereEmitter(Emitter):
     """Metres."""
 
 
-class DiscEmitter(Emitter):
+class DiscEmitter(SurfaceEmitter):
     """An opaque disc that shines on its normal's side and is black behind."""
 
     kind: Literal["disc"]
@@ -187,7 +262,7 @@ class DiscEmitter(Emitter):
     """Metres."""
 
 
-class RectangleEmitter(Emitter):
+class RectangleEmitter(SurfaceEmitter):
     """An opaque rectangle that shines on the side of edge_u × edge_v and is black behind."""
 
     kind: Literal["rectangle"]
@@ -254,10 +329,6 @@ class Rotation(Part):
 
     axis: Direction
     degrees: Number
-
-
-Absent = SkipJsonSchema[None]
-"""Of a key that may be left out; written as null it is an error."""
 
 
 class TransformStep(Part):
@@ -414,6 +485,10 @@ class Scene(Part):
     """L_amb, W/(m²·sr)."""
     background: Bands = ZERO
     """Radiance of rays that miss, W/(m²·sr)."""
+    k_m: LuminousEfficacy = 683.002
+    """K_m, lm/W: converts luminous quantities."""
+    bands: BandIntervals | Absent = None
+    """What the three bands are; left out, the linear Rec.709 primaries."""
     lights: dict[str, Light] = {}
     materials: dict[str, Material] = {}
     objects: tuple[Object, ...] = ()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Annotated, Any
 
 from pydantic import AfterValidator, BeforeValidator, Field, WithJsonSchema
@@ -28,6 +29,13 @@ class OnlyIn:
 
     def __str__(self) -> str:
         return " or ".join(f"'{model}'" for model in self.models)
+
+
+class OrFrom:
+    """Marks bands that a light may leave out, because one of these keys determines them instead."""
+
+    def __init__(self, *keys: str) -> None:
+        self.keys = keys
 
 
 def _as_tuple(value: Any) -> Any:
@@ -110,6 +118,49 @@ Bands = Annotated[
     _number_or_three(minimum=0),
 ]
 """One radiometric quantity in three linear bands; one number stands for three equal ones."""
+
+def _one_of_two(value: float) -> float:
+    if value not in (683.002, 684.0):
+        raise ValueError("neither")
+    return value
+
+
+LuminousEfficacy = Annotated[
+    float,
+    AfterValidator(_one_of_two),
+    Allowed("683.002 (the SI's) or 684 (the lecture's)"),
+    WithJsonSchema({"type": "number", "enum": [683.002, 684]}),
+]
+"""K_m, lm/W."""
+
+
+def _ascending(samples: tuple[tuple[float, float], ...]) -> tuple[tuple[float, float], ...]:
+    if any(a[0] >= b[0] for a, b in pairwise(samples)):
+        raise ValueError("not ascending")
+    return samples
+
+
+Samples = Annotated[
+    tuple[Annotated[tuple[Annotated[float, Field(gt=0)], Band], BeforeValidator(_as_tuple)], ...],
+    BeforeValidator(_as_tuple),
+    Field(min_length=2),
+    AfterValidator(_ascending),
+    Allowed(
+        "a list of at least two pairs [nm, value ≥ 0], the wavelengths ascending",
+        ("a pair [wavelength in nm > 0, value ≥ 0]", "a wavelength > 0, then a value ≥ 0"),
+    ),
+    WithJsonSchema({"type": "array", "items": _exactly(2, {"type": "number", "minimum": 0}), "minItems": 2}),
+]
+"""A sampled spectrum: wavelength in nm, value per nm."""
+
+Interval = Annotated[tuple[Annotated[float, Field(gt=0)], Annotated[float, Field(gt=0)]], BeforeValidator(_as_tuple)]
+Intervals = Annotated[
+    tuple[Interval, Interval, Interval],
+    BeforeValidator(_as_tuple),
+    Allowed("three intervals [from, to] in nm", ("two wavelengths [from, to] in nm", "a wavelength > 0, in nm")),
+    WithJsonSchema(_exactly(3, _exactly(2, {"type": "number", "exclusiveMinimum": 0}))),
+]
+"""Three intervals of wavelengths, nm."""
 
 Points = Annotated[
     tuple[Vector3, ...],
