@@ -28,14 +28,37 @@ class Channel:
 
 CHANNELS: dict[str, Channel] = {
     "radiance": Channel("L(V), W/(m²·sr); the background where the ray misses", np.float64),
-    "emission": Channel("K_emit, W/(m²·sr)", np.float64),
-    "ambient": Channel("K_amb L_amb, W/(m²·sr)", np.float64),
-    "diffuse": Channel("E_i g_i K_diff (N·L_i) of each light, W/(m²·sr)", np.float64, per_light=True),
-    "specular": Channel("E_i g_i K_spec max(0, R_i·V)^p of each light, W/(m²·sr)", np.float64, per_light=True),
-    "rounding": Channel("bound on the arithmetic error of the radiance, W/(m²·sr); derived in phong.h", np.float64),
+    "emission": Channel("K_emit of the first surface, W/(m²·sr)", np.float64),
+    "ambient": Channel("K_amb L_amb of the first surface (opengl: a_m a_global), W/(m²·sr)", np.float64),
+    "light_ambient": Channel("opengl: att_i spot_i a_m a_i of each light, W/(m²·sr); else 0", np.float64, per_light=True),
+    "diffuse": Channel(
+        "E_i g_i K_diff (N·L_i) of each light; raytraced: times its shadow τ_i and 1 − t in front, t behind, W/(m²·sr)",
+        np.float64,
+        per_light=True,
+    ),
+    "specular": Channel(
+        "E_i g_i K_spec max(0, R_i·V)^p of each light (opengl: the half vector's; raytraced: weighted as diffuse, T_i·V behind), "
+        "W/(m²·sr)",
+        np.float64,
+        per_light=True,
+    ),
+    "reflected": Channel(
+        "raytraced: (1 − t) k_refl L_refl at the first surface, or what total internal reflection shows there, W/(m²·sr); else 0",
+        np.float64,
+    ),
+    "transmitted": Channel("raytraced: t k_trans L_trans at the first surface, W/(m²·sr); else 0", np.float64),
+    "rounding": Channel(
+        "bound on the arithmetic error of the radiance, W/(m²·sr); derived in phong.h, opengl.h and raytraced.h", np.float64
+    ),
     "object_id": Channel("index in scene.objects, −1 where the ray misses", np.int32, ()),
     "depth": Channel("distance along the unit ray, m; inf where the ray misses", np.float64, ()),
     "normal": Channel("N, unit, world, on the viewer's side; 0 where the ray misses", np.float64),
     "position": Channel("P, world, m; NaN where the ray misses", np.float64),
-    "signature": Channel("hash of object, face, side, and gate and cone of each light; 0 where the ray misses", np.uint64, ()),
+    "signature": Channel(
+        "hash of object, face, side, and gate and cone of each light; raytraced: at every hit, with visibility of each light and "
+        "total reflection; 0 where the first ray misses",
+        np.uint64,
+        (),
+    ),
 }
+"""What may be asked for. On a hit, emission + ambient + Σ (light_ambient + diffuse + specular) + reflected + transmitted is the radiance."""

@@ -13,7 +13,7 @@ from equilux_tracer import _tracer
 from equilux_tracer.channels import CHANNELS
 from equilux_tracer.describe import describe
 
-VERSION = "1"
+VERSION = "2"
 """Changes whenever a picture may change in its last digit: part of the key under which renders are reused."""
 
 Arrays = dict[str, npt.NDArray[Any]]
@@ -30,7 +30,7 @@ class Tracer:
         if precision != "exact":
             raise _tracer.TracerError(f"precision: got {precision!r}, allowed 'exact'")
         self.case = case
-        self._lights = len(case.scene.lights)
+        self._lights = len(case.scene.delta_lights)
         self._world = _tracer.World(describe(case))
 
     def render(

@@ -8,7 +8,7 @@ bool render(const World& world, const Samples& samples, const Outputs& outputs, 
     case Model::phong:
       return render_local(world, samples, outputs, threads, cancel, interrupted);
     case Model::opengl:
-      throw TracerError("model opengl: not in this version");
+      return render_opengl(world, samples, outputs, threads, cancel, interrupted);
     case Model::raytraced:
       throw TracerError("model raytraced: not in this version");
     case Model::reflection_equation:

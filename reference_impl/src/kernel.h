@@ -31,9 +31,12 @@ struct Outputs {
   double* radiance = nullptr;   // 3
   double* emission = nullptr;   // 3
   double* ambient = nullptr;    // 3
+  double* light_ambient = nullptr;  // lights × 3: opengl
   double* diffuse = nullptr;    // lights × 3
   double* specular = nullptr;   // lights × 3
-  double* rounding = nullptr;   // 3: bound on the arithmetic error of radiance, derived in phong.h
+  double* reflected = nullptr;    // 3: raytraced
+  double* transmitted = nullptr;  // 3: raytraced
+  double* rounding = nullptr;   // 3: bound on the arithmetic error of radiance, derived in phong.h, opengl.h and raytraced.h
   std::int32_t* object_id = nullptr;
   double* depth = nullptr;      // distance along the unit ray, inf on a miss
   double* normal = nullptr;     // 3; 0 on a miss
@@ -41,7 +44,8 @@ struct Outputs {
   std::uint64_t* signature = nullptr;
 
   bool only_radiance() const {
-    return !emission && !ambient && !diffuse && !specular && !rounding && !object_id && !depth && !normal && !position && !signature;
+    return !emission && !ambient && !light_ambient && !diffuse && !specular && !reflected && !transmitted && !rounding && !object_id &&
+           !depth && !normal && !position && !signature;
   }
 };
 

@@ -1,9 +1,7 @@
-// The local models, phong and opengl: nothing but the first surface and the lights.
+// Model phong: nothing but the first surface and the lights.
+#include "first_surface.h"
 #include "kernels.h"
-#include "outputs.h"
 #include "phong.h"
-#include "precision.h"
-#include "signature.h"
 
 namespace equilux {
 namespace {
@@ -25,8 +23,7 @@ Bands rounding_of_light(const Light& light, const Arriving& arriving, const Mate
 }
 
 template <class F> void shade(const World& world, const SurfacePoint& point, const Outputs& out, std::size_t i) {
-  const MaterialDescription& material =
-      world.description.materials[static_cast<std::size_t>(world.objects[static_cast<std::size_t>(point.object)].material)];
+  const MaterialDescription& material = material_of(world, point.object);
   const Vec3d normal = to_double(point.normal), to_viewer = to_double(point.to_viewer);
   const Bands ambient = material.ambient * world.description.ambient;
   Bands radiance = material.emission + ambient;
@@ -58,6 +55,7 @@ template <class F> void shade(const World& world, const SurfacePoint& point, con
 
     // 3. Channels
     if constexpr (F::channels) {
+      if (out.light_ambient) write(out.light_ambient, i * lights + k, Bands{});
       if (out.diffuse) write(out.diffuse, i * lights + k, diffuse);
       if (out.specular) write(out.specular, i * lights + k, specular);
       rounding = rounding + rounding_of_light(world.lights[k], arriving, material);
@@ -70,6 +68,7 @@ template <class F> void shade(const World& world, const SurfacePoint& point, con
     if (out.ambient) write(out.ambient, i, ambient);
     if (out.rounding) write(out.rounding, i, (rounding + radiance * (static_cast<double>(lights) + 3)) * Rounding::unit);
     if (out.signature) out.signature[i] = signature.value();
+    write_no_secondary(out, i);
     write_geometry(world, point, out, i);
   }
 }
@@ -77,20 +76,8 @@ template <class F> void shade(const World& world, const SurfacePoint& point, con
 template <class F>
 bool render_with(const World& world, const Samples& samples, const Outputs& out, int threads, const Cancel* cancel,
                  const Interrupted& interrupted) {
-  return for_each_chunk(samples.count, threads, cancel, interrupted, [&](std::size_t begin, std::size_t end) {
-    Search search;
-    search.world = &world;
-    SurfacePoint point;
-    for (std::size_t i = begin; i < end; ++i) {
-      double x, y;
-      samples.position(i, x, y);
-      if (F::Precision::find(world, search, x, y, point)) {
-        shade<F>(world, point, out, i);
-      } else {
-        write_miss<F>(world, out, i);
-      }
-    }
-  });
+  return render_first_surface<F>(world, samples, out, threads, cancel, interrupted,
+                                 [&](const SurfacePoint& point, std::size_t i) { shade<F>(world, point, out, i); });
 }
 
 using RenderFunction = bool (*)(const World&, const Samples&, const Outputs&, int, const Cancel*, const Interrupted&);

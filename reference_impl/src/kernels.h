@@ -5,8 +5,10 @@
 
 namespace equilux {
 
-// phong and opengl
 bool render_local(const World& world, const Samples& samples, const Outputs& outputs, int threads, const Cancel* cancel,
-                  const Interrupted& interrupted);
+                  const Interrupted& interrupted);  // phong
+
+bool render_opengl(const World& world, const Samples& samples, const Outputs& outputs, int threads, const Cancel* cancel,
+                   const Interrupted& interrupted);
 
 }  // namespace equilux

@@ -115,8 +115,11 @@ void trace(const World& world, const std::optional<ConstDoubles>& film_xy, nb::d
   out.radiance = output<double>(arrays, "radiance", 3 * n);
   out.emission = output<double>(arrays, "emission", 3 * n);
   out.ambient = output<double>(arrays, "ambient", 3 * n);
+  out.light_ambient = output<double>(arrays, "light_ambient", 3 * n * lights);
   out.diffuse = output<double>(arrays, "diffuse", 3 * n * lights);
   out.specular = output<double>(arrays, "specular", 3 * n * lights);
+  out.reflected = output<double>(arrays, "reflected", 3 * n);
+  out.transmitted = output<double>(arrays, "transmitted", 3 * n);
   out.rounding = output<double>(arrays, "rounding", 3 * n);
   out.object_id = output<std::int32_t>(arrays, "object_id", n);
   out.depth = output<double>(arrays, "depth", n);

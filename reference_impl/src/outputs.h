@@ -25,9 +25,12 @@ template <class F> void write_miss(const World& world, const Outputs& out, std::
     if (out.emission) write(out.emission, i, Bands{});
     if (out.ambient) write(out.ambient, i, Bands{});
     for (std::size_t k = 0; k < lights; ++k) {
+      if (out.light_ambient) write(out.light_ambient, i * lights + k, Bands{});
       if (out.diffuse) write(out.diffuse, i * lights + k, Bands{});
       if (out.specular) write(out.specular, i * lights + k, Bands{});
     }
+    if (out.reflected) write(out.reflected, i, Bands{});
+    if (out.transmitted) write(out.transmitted, i, Bands{});
     if (out.rounding) write(out.rounding, i, Bands{});
     if (out.object_id) out.object_id[i] = -1;
     if (out.depth) out.depth[i] = std::numeric_limits<double>::infinity();
@@ -36,6 +39,12 @@ template <class F> void write_miss(const World& world, const Outputs& out, std::
     if (out.position) write(out.position, i, Vec3d{nowhere, nowhere, nowhere});
     if (out.signature) out.signature[i] = signature_of_a_miss;
   }
+}
+
+// The local models mirror and let through nothing.
+inline void write_no_secondary(const Outputs& out, std::size_t i) {
+  if (out.reflected) write(out.reflected, i, Bands{});
+  if (out.transmitted) write(out.transmitted, i, Bands{});
 }
 
 inline void write_geometry(const World& world, const SurfacePoint& point, const Outputs& out, std::size_t i) {

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "phong.h"
+#include "opengl.h"
 #include "precision.h"
 
 namespace equilux {
@@ -14,12 +14,17 @@ struct Held {
   const World* world = nullptr;
   const MaterialDescription* material = nullptr;
   Vec3d position, normal, to_viewer;
+  bool half_vector = false;     // model opengl
+  bool viewer_follows = false;  // V points to the eye point
   std::vector<char> in_front, in_cone;
 };
 
 // max(0, cos)^p
 double power(double cosine, double exponent) { return cosine > 0 ? std::pow(cosine, exponent) : 0; }
 
+Vec3d unit_or_zero(const Vec3d& v) { return largest(v) > 0 ? unit(v) : Vec3d{}; }
+
+// The shares of a light are 1, and its ambient one 0, in all models but opengl.
 Bands from_light(const Held& at, std::size_t k, const Vec3d& position, const Vec3d& normal, const Vec3d& to_viewer) {
   if (!at.in_cone[k]) return {};
   const Light& light = at.world->lights[k];
@@ -35,10 +40,11 @@ Bands from_light(const Held& at, std::size_t k, const Vec3d& position, const Vec
     if (given.kind == LightKind::spot && given.exponent > 0) share *= power(-dot(to_light, light.axis_rounded), given.exponent);
   }
   const double cosine = dot(normal, to_light);
-  Bands reflected = at.material->diffuse * std::max(0.0, cosine);
+  Bands reflected = at.material->diffuse * given.diffuse * std::max(0.0, cosine) + at.material->ambient * given.ambient;
   if (at.in_front[k] && at.material->specular.any()) {
-    const double mirrored = 2 * cosine * dot(normal, to_viewer) - dot(to_light, to_viewer);
-    reflected = reflected + at.material->specular * power(mirrored, at.material->exponent);
+    const double lobe = at.half_vector ? dot(normal, unit_or_zero(to_light + to_viewer))
+                                       : 2 * cosine * dot(normal, to_viewer) - dot(to_light, to_viewer);
+    reflected = reflected + at.material->specular * given.specular * power(lobe, at.material->exponent);
   }
   return given.strength * reflected * share;
 }
@@ -54,7 +60,7 @@ Bands with_normal(const Held& at, const Vec3d& step) { return reflected(at, at.p
 
 Bands with_position(const Held& at, const Vec3d& step) {
   const Vec3d position = at.position + step;
-  const bool follows = at.world->camera.perspective() && largest(position) > 0;
+  const bool follows = at.viewer_follows && largest(position) > 0;
   return reflected(at, position, at.normal, follows ? -unit(position) : at.to_viewer);
 }
 
@@ -65,10 +71,12 @@ Bands larger_change(const Bands& base, const Bands& plus, const Bands& minus) {
 
 void hold(const World& world, const SurfacePoint& point, Held& at) {
   at.world = &world;
-  at.material = &world.description.materials[static_cast<std::size_t>(world.objects[static_cast<std::size_t>(point.object)].material)];
+  at.material = &material_of(world, point.object);
   at.position = to_double(point.position);
   at.normal = to_double(point.normal);
-  at.to_viewer = to_double(point.to_viewer);
+  at.half_vector = world.description.model == Model::opengl;
+  at.to_viewer = to_double(at.half_vector ? opengl_viewer(world, point) : point.to_viewer);
+  at.viewer_follows = at.half_vector ? !world.description.infinite_viewer : world.camera.perspective();
   for (std::size_t k = 0; k < world.lights.size(); ++k) {
     const Arriving arriving = arriving_light<true>(world.lights[k], point);
     at.in_cone[k] = arriving.in_cone;

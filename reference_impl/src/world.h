@@ -81,4 +81,8 @@ class World {
   void build_embree();
 };
 
+inline const MaterialDescription& material_of(const World& world, int object) {
+  return world.description.materials[static_cast<std::size_t>(world.objects[static_cast<std::size_t>(object)].material)];
+}
+
 }  // namespace equilux

@@ -5,10 +5,12 @@ from __future__ import annotations
 from equilux.adapter import Capability
 
 FEATURES = (
-    "model.phong",
+    "model.phong", "model.opengl", "model.raytraced",
     "camera.perspective", "camera.orthographic",
     "light.point", "light.directional", "light.spot", "light.spot-exponent",
     "attenuation.constant", "attenuation.linear", "attenuation.quadratic",
+    "light.ambient-colour", "light.diffuse-colour", "light.specular-colour", "viewer.infinite",
+    "occlusion", "reflection", "transparency", "refraction", "shadow.attenuated", "shadow.ignored",
     "material.diffuse", "material.specular", "material.ambient", "material.emission",
     "background",
     "shape.sphere", "shape.plane", "shape.box", "shape.disc", "shape.rectangle", "shape.cylinder", "shape.mesh",

@@ -1,0 +1,29 @@
+// The loop of the local models: each sample's first surface is found and shaded, and that is all.
+#pragma once
+
+#include "outputs.h"
+#include "precision.h"
+
+namespace equilux {
+
+// shade(point, i) writes sample i. F::Precision finds the surface, F::channels says whether anything but radiance is asked for.
+template <class F, class Shade>
+bool render_first_surface(const World& world, const Samples& samples, const Outputs& out, int threads, const Cancel* cancel,
+                          const Interrupted& interrupted, const Shade& shade) {
+  return for_each_chunk(samples.count, threads, cancel, interrupted, [&](std::size_t begin, std::size_t end) {
+    Search search;
+    search.world = &world;
+    SurfacePoint point;
+    for (std::size_t i = begin; i < end; ++i) {
+      double x, y;
+      samples.position(i, x, y);
+      if (F::Precision::find(world, search, x, y, point)) {
+        shade(point, i);
+      } else {
+        write_miss<F>(world, out, i);
+      }
+    }
+  });
+}
+
+}  // namespace equilux
