@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import ClassVar
 
 from equilux.adapter import API_VERSION, Capability, Case, Knobs, Limits, Probe, Program, RawRender, Reading
+from equilux_adapters.vtk.capabilities import LACK_CAUSES
 from equilux_adapters.vtk.knobs import VtkKnobs
 
 
@@ -18,11 +19,8 @@ class VtkAdapter:
     api_version = API_VERSION
     Knobs: ClassVar[type[Knobs]] = VtkKnobs
     workers_per_core: ClassVar[float] = 1.0
-    lack_causes: ClassVar[Mapping[str, str]] = {
-        "occlusion": "occlusion-ignored",
-        "reflection": "reflection-missing",
-        "refraction": "refraction-missing",
-    }
+    lack_causes: ClassVar[Mapping[str, str]] = LACK_CAUSES
+    code_packages: ClassVar[tuple[str, ...]] = ("equilux_adapters._triangles",)
 
     def version(self) -> str:
         """The version of the installed package, e.g. `9.7.2`."""

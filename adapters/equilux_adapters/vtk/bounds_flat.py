@@ -6,11 +6,11 @@ from __future__ import annotations
 import numpy as np
 
 from equilux.adapter import Case
-from equilux_adapters.vtk.bounds import Bounds, Floats, on_film, rounding_px, view_of
-from equilux_adapters.vtk.coincident import flats
-from equilux_adapters.vtk.kit.clip import in_frame
-from equilux_adapters.vtk.kit.facing import towards_eye
-from equilux_adapters.vtk.kit.view import Mesh, View
+from equilux_adapters._triangles.bounds import Bounds, Floats, on_film, rounding_px, view_of
+from equilux_adapters._triangles.clip import in_frame
+from equilux_adapters._triangles.coincident import flats
+from equilux_adapters._triangles.facing import towards_eye
+from equilux_adapters._triangles.view import Mesh, View
 from equilux_scenes.transforms import matrix
 
 SLIVER_PX = 1 / 16

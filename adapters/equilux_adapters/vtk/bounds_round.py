@@ -6,10 +6,10 @@ import math
 
 import numpy as np
 
-from equilux_adapters.vtk.bounds import Bounds, Floats, largest_factor, on_film, rounding_px
-from equilux_adapters.vtk.kit.round import Round, Scale, film_scale, sectors, sphere_division, sphere_scale
-from equilux_adapters.vtk.kit.shapes import cut_by_eye_plane, cylinder_division
-from equilux_adapters.vtk.kit.view import View
+from equilux_adapters._triangles.bounds import Bounds, Floats, largest_factor, on_film, rounding_px
+from equilux_adapters._triangles.round import Round, Scale, film_scale, sectors, sphere_division, sphere_scale
+from equilux_adapters._triangles.shapes import cut_by_eye_plane, cylinder_division
+from equilux_adapters._triangles.view import View
 from equilux_scenes.model import Cylinder, Disc, Sphere
 
 RIM_STRIPS = 4

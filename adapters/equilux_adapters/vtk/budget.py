@@ -12,9 +12,9 @@ from typing import Any
 import numpy as np
 
 from equilux.adapter import Bound, Budget, Case, Geometric
-from equilux_adapters.vtk.bounds import U, view_of
+from equilux_adapters._triangles.bounds import U, view_of
+from equilux_adapters._triangles.extent import reach_of
 from equilux_adapters.vtk.bounds_flat import horizon_of
-from equilux_adapters.vtk.extent import reach_of
 from equilux_adapters.vtk.geometry import geometry_of, light_reach, set_back_of
 from equilux_adapters.vtk.knobs import VtkKnobs
 from equilux_scenes.model import SpotLight

@@ -7,15 +7,15 @@ from typing import Any
 import numpy as np
 
 from equilux.adapter import Case
+from equilux_adapters._triangles.bounds import Bounds, largest_factor, view_of
+from equilux_adapters._triangles.clip import in_frame
+from equilux_adapters._triangles.coincident import set_backs
+from equilux_adapters._triangles.depth import set_back
+from equilux_adapters._triangles.drawing import build
+from equilux_adapters._triangles.extent import enclosure
+from equilux_adapters._triangles.round import film_scale
+from equilux_adapters._triangles.view import View
 from equilux_adapters.vtk import bounds_flat, bounds_round
-from equilux_adapters.vtk.bounds import Bounds, largest_factor, view_of
-from equilux_adapters.vtk.coincident import set_backs
-from equilux_adapters.vtk.drawing import build
-from equilux_adapters.vtk.extent import enclosure
-from equilux_adapters.vtk.kit.clip import in_frame
-from equilux_adapters.vtk.kit.depth import set_back
-from equilux_adapters.vtk.kit.round import film_scale
-from equilux_adapters.vtk.kit.view import View
 from equilux_adapters.vtk.knobs import VtkKnobs
 from equilux_scenes.model import Cylinder, DirectionalLight, Disc, Sphere, SpotLight
 from equilux_scenes.transforms import matrix
@@ -55,7 +55,7 @@ def bounds_of(case: Case, view: View, index: int, knobs: VtkKnobs, reach_m: floa
         return bounds_round.of_sphere(view, obj, segments, placed)
     if isinstance(obj, Cylinder):
         return bounds_round.of_cylinder(view, obj, segments, placed)
-    drawn = build(case, index, view, knobs)
+    drawn = build(case, index, view, segments)
     if not drawn.flat:
         return bounds_flat.of_smooth_mesh(view, drawn)
     faces = bounds_flat.of_faces(view, drawn, reach_m)
@@ -79,7 +79,7 @@ def set_back_of(case: Case, knobs: VtkKnobs) -> dict[str, float]:
     if not any(steps):
         return {}
     view = view_of(case.scene.camera, case.scene.film)
-    meshes = [build(case, index, view, knobs) for index in range(len(steps))]
+    meshes = [build(case, index, view, knobs.tessellation) for index in range(len(steps))]
     moved = set_back(view, meshes, steps)
     return {
         str(index): float(np.max(np.linalg.norm(after.points - in_frame(view, before).points, axis=1), initial=0.0))

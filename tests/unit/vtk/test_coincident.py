@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from equilux_adapters.vtk.coincident import set_backs
+from equilux_adapters._triangles.coincident import set_backs
 from support.random_scenes import case_of, random_spec
 
 

@@ -7,13 +7,13 @@ import math
 import numpy as np
 import pytest
 
-from equilux_adapters.vtk.bounds import Bounds, view_of
+from equilux_adapters._triangles import shapes
+from equilux_adapters._triangles.bounds import Bounds, view_of
+from equilux_adapters._triangles.clip import cut, in_frame
+from equilux_adapters._triangles.depth import clipping_range, set_back
+from equilux_adapters._triangles.facing import faces_eye, is_watertight, starts_inside, towards_eye
+from equilux_adapters._triangles.view import Mesh, View, look_at, seen_from
 from equilux_adapters.vtk.geometry import bounds_of
-from equilux_adapters.vtk.kit import shapes
-from equilux_adapters.vtk.kit.clip import cut, in_frame
-from equilux_adapters.vtk.kit.depth import clipping_range, set_back
-from equilux_adapters.vtk.kit.facing import faces_eye, is_watertight, starts_inside, towards_eye
-from equilux_adapters.vtk.kit.view import Mesh, View, look_at, seen_from
 from equilux_adapters.vtk.knobs import VtkKnobs
 from support.random_scenes import case_of, random_spec
 

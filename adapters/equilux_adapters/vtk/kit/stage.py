@@ -23,33 +23,42 @@ from vtkmodules.vtkRenderingOpenGL2 import (
     vtkTextureObject,
 )
 
-from equilux_adapters.vtk.kit.clip import in_frame
-from equilux_adapters.vtk.kit.depth import clipping_range
-from equilux_adapters.vtk.kit.facing import towards_eye
-from equilux_adapters.vtk.kit.view import Mesh, View
+from equilux_adapters._triangles.clip import in_frame
+from equilux_adapters._triangles.depth import clipping_range
+from equilux_adapters._triangles.facing import towards_eye
+from equilux_adapters._triangles.view import Mesh, View
 
 Array = Any
 
 
-def directional_light(direction: Array, irradiance: Array) -> vtkLight:
-    """A light at infinity, travelling along `direction`."""
+def directional_light(direction: Array, irradiance: Array, **shares: Array) -> vtkLight:
+    """A light at infinity, travelling along `direction`; shares: see `set_colours`."""
     light = vtkLight()
     light.SetLightTypeToSceneLight()
     light.SetPositional(False)
     light.SetPosition(*(-np.asarray(direction, dtype=float)))
     light.SetFocalPoint(0, 0, 0)
-    light.SetColor(*irradiance)
+    set_colours(light, irradiance, **shares)
     return light
 
 
-def point_light(view: View, position: Array, intensity: Array, attenuation: Array) -> vtkLight:
-    """A light at a point; attenuation: constant, linear and quadratic term."""
+def set_colours(
+    light: vtkLight, strength: Array, ambient: Array = (0, 0, 0), diffuse: Array = (1, 1, 1), specular: Array = (1, 1, 1)
+) -> None:
+    """A light's three colours, each a share of its strength."""
+    light.SetAmbientColor(*(np.asarray(strength) * ambient))
+    light.SetDiffuseColor(*(np.asarray(strength) * diffuse))
+    light.SetSpecularColor(*(np.asarray(strength) * specular))
+
+
+def point_light(view: View, position: Array, intensity: Array, attenuation: Array, **shares: Array) -> vtkLight:
+    """A light at a point; attenuation: constant, linear and quadratic term; shares: see `set_colours`."""
     light = vtkLight()
     light.SetLightTypeToSceneLight()
     light.SetPositional(True)
     light.SetPosition(*(np.asarray(position, dtype=float) - view.eye))
     light.SetConeAngle(180)  # not a spot: the default is a cone of 30° (Q8)
-    light.SetColor(*intensity)
+    set_colours(light, intensity, **shares)
     light.SetAttenuationValues(*attenuation)
     return light
 
@@ -62,9 +71,10 @@ def spot_light(
     direction: Array,
     cone_half_angle_deg: float,
     exponent: float,
+    **shares: Array,
 ) -> vtkLight:
     """A point light within a hard cone, weakened by cos^exponent off its axis."""
-    light = point_light(view, position, intensity, attenuation)
+    light = point_light(view, position, intensity, attenuation, **shares)
     direction = np.asarray(direction, dtype=float)
     # the axis runs from the position to the focal point
     reach = max(1.0, float(np.max(np.abs(light.GetPosition()))))

@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from equilux_adapters.vtk.kit.clip import in_frame
-from equilux_adapters.vtk.kit.view import Mesh, View, seen_from
+from equilux_adapters._triangles.clip import in_frame
+from equilux_adapters._triangles.view import Mesh, View, seen_from
 
 Array = Any
 

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from equilux_adapters.vtk.kit.view import View, linear_and_shift
+from equilux_adapters._triangles.view import View, linear_and_shift
 
 Array = Any
 

@@ -1,5 +1,4 @@
-"""Objects that share a surface: which of them must be drawn a hair nearer or farther, so that the first in the file is seen
-(Q12)."""
+"""Objects that share a surface: which of them must be drawn a hair nearer or farther, so that the first in the file is seen."""
 
 from __future__ import annotations
 
@@ -10,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from equilux.adapter import Case
-from equilux_adapters.vtk.extent import box_around
+from equilux_adapters._triangles.extent import box_around
 from equilux_scenes.model import Box, Cylinder, Disc, Mesh, Object, Plane, Rectangle, Sphere
 from equilux_scenes.transforms import matrix
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from equilux.adapter import Case
-from equilux_adapters.vtk.bounds import Floats, largest_factor
+from equilux_adapters._triangles.bounds import Floats, largest_factor
 from equilux_scenes.model import Box, Cylinder, Disc, Mesh, Rectangle, Sphere
 from equilux_scenes.transforms import matrix
 

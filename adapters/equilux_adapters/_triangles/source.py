@@ -1,4 +1,4 @@
-"""Picks from the kit the functions that a script needs, as text."""
+"""Picks from a kit of modules the functions that a script needs, as text."""
 
 from __future__ import annotations
 
@@ -10,8 +10,10 @@ from dataclasses import dataclass, field
 from functools import cache
 from importlib import resources
 
-_MODULES = ("view", "facing", "clip", "depth", "round", "shapes", "stage")
-_KIT = "equilux_adapters.vtk.kit"
+GEOMETRY = tuple(f"equilux_adapters._triangles.{name}" for name in ("view", "facing", "clip", "depth", "round", "shapes"))
+"""The modules of this package that scripts are made from."""
+
+_OURS = "equilux_adapters"
 
 
 @dataclass
@@ -24,23 +26,24 @@ class _Kit:
 
 
 @cache
-def _kit() -> _Kit:
+def _kit(modules: tuple[str, ...]) -> _Kit:
     kit = _Kit()
-    for module in _MODULES:
-        source = (resources.files(_KIT) / f"{module}.py").read_text(encoding="utf-8")
+    for module in modules:
+        package, _, name = module.rpartition(".")
+        source = (resources.files(package) / f"{name}.py").read_text(encoding="utf-8")
         lines = source.splitlines()
         tree = ast.parse(source)
         for node, following in zip(tree.body, [*tree.body[1:], None], strict=True):
             if isinstance(node, ast.Import | ast.ImportFrom):
                 _note_imports(kit, node)
-            elif name := _defined(node):
+            elif defined := _defined(node):
                 # up to the next definition: with decorators, and with the docstring that follows a constant
                 start = min([node.lineno, *(d.lineno for d in getattr(node, "decorator_list", []))])
                 end = node.end_lineno or start
                 if isinstance(following, ast.Expr):
                     end = following.end_lineno or end
-                kit.text[name] = "\n".join(lines[start - 1 : end])
-                kit.uses[name] = names_in(kit.text[name])
+                kit.text[defined] = "\n".join(lines[start - 1 : end])
+                kit.uses[defined] = names_in(kit.text[defined])
     return kit
 
 
@@ -48,7 +51,7 @@ def _note_imports(kit: _Kit, node: ast.Import | ast.ImportFrom) -> None:
     for alias in node.names:
         if isinstance(node, ast.Import):
             kit.imports[alias.asname or alias.name] = f"import {alias.name}" + (f" as {alias.asname}" if alias.asname else "")
-        elif node.module and not node.module.startswith(_KIT) and node.module != "__future__":
+        elif node.module and not node.module.startswith(_OURS) and node.module != "__future__":
             kit.imports[alias.name] = node.module
 
 
@@ -65,9 +68,9 @@ def names_in(text: str) -> set[str]:
     return {node.id for node in ast.walk(ast.parse(textwrap.dedent(text))) if isinstance(node, ast.Name)}
 
 
-def kit_source(names: Iterable[str]) -> tuple[str, str]:
-    """(imports, definitions) that `names` need, they themselves and whatever they use; in the kit's order."""
-    kit = _kit()
+def kit_source(names: Iterable[str], modules: tuple[str, ...]) -> tuple[str, str]:
+    """(imports, definitions) that `names` need, they themselves and whatever they use; in the order of the modules."""
+    kit = _kit(modules)
     needed, external, queue = set[str](), set[str](), list(names)
     while queue:
         name = queue.pop()

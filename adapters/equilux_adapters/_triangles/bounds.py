@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from equilux_adapters.vtk.kit.view import View, look_at, seen_from
+from equilux_adapters._triangles.view import View, look_at, seen_from
 from equilux_scenes.model import Camera, Film
 
 Floats = npt.NDArray[np.float64]

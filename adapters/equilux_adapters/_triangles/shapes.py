@@ -8,10 +8,19 @@ from typing import Any
 
 import numpy as np
 
-from equilux_adapters.vtk.kit.clip import only_inside
-from equilux_adapters.vtk.kit.facing import is_watertight
-from equilux_adapters.vtk.kit.round import Round, Scale, axes_towards, divide, eye_in_object, film_scale, sectors, sphere_division
-from equilux_adapters.vtk.kit.view import Mesh, View, linear_and_shift, mapped, place
+from equilux_adapters._triangles.clip import only_inside
+from equilux_adapters._triangles.facing import is_watertight
+from equilux_adapters._triangles.round import (
+    Round,
+    Scale,
+    axes_towards,
+    divide,
+    eye_in_object,
+    film_scale,
+    sectors,
+    sphere_division,
+)
+from equilux_adapters._triangles.view import Mesh, View, linear_and_shift, mapped, place
 
 Array = Any
 

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from equilux_adapters.vtk.kit.view import Mesh, View
+from equilux_adapters._triangles.view import Mesh, View
 
 Array = Any
 
