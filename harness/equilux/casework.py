@@ -19,7 +19,9 @@ from equilux.adapter import Budget, Case, Geometric, Image
 from equilux.identity import case_digest, comparer_identity
 from equilux.job import BUDGET_FILE, IMAGE_FILE, LOG_FILE, PROGRAM_FOLDER, WORK_FOLDER, Outcome
 from equilux.lazytracer import LazyTracer
+from equilux.luminance import luminance_of, photometry_of
 from equilux.planes import read_planes, write_planes
+from equilux.results import Luminance
 from equilux.reuse import Store, key
 from equilux.tree import Tree, read_json
 from equilux.trust import ordered_pair
@@ -63,6 +65,8 @@ class CaseWork:
     records: dict[str, dict[str, Any]] = field(default_factory=dict)
     """render.json by adapter."""
     pairs: dict[tuple[str, str], dict[str, Any]] = field(default_factory=dict)
+    luminance: dict[str, Luminance] = field(default_factory=dict)
+    """By adapter, of the renders that delivered."""
     errors: list[str] = field(default_factory=list)
     """Faults of the engine itself: comparisons that raised."""
     _delivered: dict[str, Delivered] = field(default_factory=dict)
@@ -70,6 +74,7 @@ class CaseWork:
 
     def __post_init__(self) -> None:
         self._tracer = LazyTracer(self.case)
+        self.photometry = photometry_of(self.case)
 
     def refuse(self, who: Provenance, status: str, reason: str | None, missing_features: tuple[str, ...]) -> None:
         """Record a render that was never run."""
@@ -216,6 +221,10 @@ class CaseWork:
             self.records[adapter] = record
             if delivered is not None:
                 self._delivered[adapter] = delivered
+        if delivered is not None and self.photometry is not None:
+            luminance = luminance_of(delivered.side.image, self.photometry.luminance_weights)
+            if luminance is not None:
+                self.luminance[adapter] = luminance
         if delivered is not None and compare_too:
             for name, partner in partners.items():
                 self._compare(*((delivered, partner) if ordered_pair(adapter, name) == (adapter, name) else (partner, delivered)))

@@ -39,6 +39,23 @@ class StatedUncertainty(Record):
     per_pixel: PerPixel | None = None
 
 
+class Luminance(Record):
+    """Of a picture, cd/m², over the pixels whose three bands are finite."""
+
+    min: float
+    mean: float
+    max: float
+
+
+class Photometry(Record):
+    """How the bands of a case weigh in luminance: L_v = Σ weight · band."""
+
+    k_m: float = Field(description="lm/W")
+    k_m_text: str
+    bands: str
+    luminance_weights: tuple[float, float, float] = Field(description="lm/W, of the three bands")
+
+
 class RenderRecord(Record):
     """What became of one render."""
 
@@ -50,6 +67,7 @@ class RenderRecord(Record):
     version: str = ""
     seconds: dict[str, float] = Field(default={}, description="wall time by phase: start, render, read, translate")
     uncertainty: StatedUncertainty | None = None
+    luminance: Luminance | None = None
     reused: bool = False
 
 
@@ -123,6 +141,7 @@ class CaseRecord(Record):
     width: Annotated[int, Field(ge=1)]
     height: Annotated[int, Field(ge=1)]
     requires: list[str]
+    photometry: Photometry | None = None
     expect: list[ExpectationRecord] = []
     renders: dict[str, RenderRecord]
     pairs: list[PairRecord]

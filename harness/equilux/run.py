@@ -18,6 +18,7 @@ from typing import Any
 
 from equilux import machine
 from equilux.adapter import Case, Limits
+from equilux.brdf.ofcase import materials_json
 from equilux.casework import CaseWork, Provenance
 from equilux.identity import render_key
 from equilux.job import Outcome
@@ -28,6 +29,7 @@ from equilux.progress import Progress, Silent
 from equilux.results import (
     CaseRecord,
     ExpectationRecord,
+    Luminance,
     PairRecord,
     RenderRecord,
     Results,
@@ -255,6 +257,7 @@ class _Run:
     def _judged(self, work: CaseWork) -> CaseRecord:
         case = work.case
         pairs = [work.pairs[names] for names in sorted(work.pairs)]
+        write_json(self._tree.case_folder(case.name) / "materials.json", materials_json(case))
         judged = judge_case(case, {name: record["status"] for name, record in work.records.items()}, pairs)
         return CaseRecord(
             case=case.name,
@@ -266,10 +269,11 @@ class _Run:
             width=case.scene.film.width,
             height=case.scene.film.height,
             requires=list(case.requires),
+            photometry=work.photometry,
             expect=[
                 ExpectationRecord(adapter=used.adapter, cause=used.cause, when=used.when) for used in judged.expectations_used
             ],
-            renders={name: _render_record(work.records[name]) for name in sorted(work.records)},
+            renders={name: _render_record(work.records[name], work.luminance.get(name)) for name in sorted(work.records)},
             pairs=[_pair_record(pair, judged.judged[pair["a"], pair["b"]]) for pair in pairs],
         )
 
@@ -331,7 +335,7 @@ def _result(future: Future[bool]) -> bool:
     return future.result()
 
 
-def _render_record(record: Mapping[str, Any]) -> RenderRecord:
+def _render_record(record: Mapping[str, Any], luminance: Luminance | None) -> RenderRecord:
     stated = record["uncertainty"]
     return RenderRecord(
         status=record["status"],
@@ -342,6 +346,7 @@ def _render_record(record: Mapping[str, Any]) -> RenderRecord:
         version=record["version"],
         seconds=record["seconds"],
         reused=record["reused"],
+        luminance=luminance,
         uncertainty=StatedUncertainty(**{name: stated[name] for name in StatedUncertainty.model_fields}) if stated else None,
     )
 

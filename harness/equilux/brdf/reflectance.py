@@ -71,7 +71,8 @@ def _ring(theta: Floats, cos_a: Floats) -> Floats:
     level, swing = np.cos(theta) * cos_a, np.sin(theta) * sin_a
     ratio = np.divide(level, swing, out=np.full(np.broadcast_shapes(level.shape, swing.shape), np.inf), where=swing > 0)
     half_width = np.arccos(np.clip(-ratio, -1.0, 1.0))
-    return 2 * (half_width * level + swing * np.sin(half_width))
+    area: Floats = 2 * (half_width * level + swing * np.sin(half_width))
+    return area
 
 
 def _half_vector_lobe(theta: Floats, exponent: float, polar_order: int, azimuth_order: int) -> Floats:

@@ -15,7 +15,7 @@ REFLECTANCE_DEG = tuple(float(angle) for angle in (*range(0, 90, 5), 87, 89))
 
 _CURVE_POINTS = 361
 _PAIRS = 4096
-_STEPS_PER_BISECTION = 60
+_STEPS_PER_BISECTION = 30
 _ROUNDING = 1e-12
 """Relative error of a power of a rounded cosine away from 0, per unit of the exponent: far below any asymmetry of a formula."""
 

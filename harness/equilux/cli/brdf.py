@@ -134,9 +134,9 @@ def _of_scenes(
 
 def _subject(name: str, bands: list[Brdf], theta_i_deg: float) -> _Subject:
     from equilux.brdf import study
+    from equilux.brdf.ofcase import by_band
 
-    named = {"all": bands[0]} if len(set(bands)) == 1 else dict(zip("rgb", bands, strict=True))
-    return _Subject(name, {band: study(one, theta_i_deg) for band, one in named.items()})
+    return _Subject(name, {band: study(one, theta_i_deg) for band, one in by_band(bands).items()})
 
 
 def _write(subjects: list[_Subject], out: Path) -> None:
@@ -163,7 +163,7 @@ def _as_json(subjects: list[_Subject]) -> list[dict[str, object]]:
 
 
 def _rows(subjects: list[_Subject]) -> list[tuple[str, ...]]:
-    rows = [("BRDF", "band", "K_diff", "K_spec", "p", "ρ(0°)", "ρ(60°)", "largest ρ", "at", "energy", "reciprocity")]
+    rows: list[tuple[str, ...]] = [("BRDF", "band", "K_diff", "K_spec", "p", "ρ(0°)", "ρ(60°)", "largest ρ", "at", "energy", "reciprocity")]
     for subject in subjects:
         for band, one in subject.studies.items():
             rho = dict(zip(one.rho_deg, one.rho, strict=True))
