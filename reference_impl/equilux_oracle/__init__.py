@@ -5,9 +5,20 @@ the bound and the scale of errors, `supports(case)` what has no closed form. `eq
 at fifty digits, written apart from all of this. Shares no code with the tracer.
 """
 
-from equilux_oracle.picture import Examination, evaluate, examine, pixel_centers, radiance, radiance_with_bound, supports
+from equilux_oracle.examination import Examination, pixel_centers
+from equilux_oracle.picture import evaluate, examine, lacking, radiance, radiance_with_bound, supports
 
-VERSION = "1"
+VERSION = "2"
 """Changes whenever a picture may change in any bit."""
 
-__all__ = ["VERSION", "Examination", "evaluate", "examine", "pixel_centers", "radiance", "radiance_with_bound", "supports"]
+__all__ = [
+    "VERSION",
+    "Examination",
+    "evaluate",
+    "examine",
+    "lacking",
+    "pixel_centers",
+    "radiance",
+    "radiance_with_bound",
+    "supports",
+]

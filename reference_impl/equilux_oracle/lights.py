@@ -21,12 +21,14 @@ from equilux_scenes.model import Attenuation, DeltaLight, DirectionalLight, Poin
 class Arriving:
     """For n points: the vector to the light (not unit), the bands E_i (3, n), and a bound on E's relative error in units of u.
 
-    The vector comes in double-double, its leading part being the exact vector rounded once.
+    The vector comes in double-double, its leading part being the exact vector rounded once. feels: how much the direction of the
+    light matters to E, |d ln E / dθ| (n,).
     """
 
     to_light: DD
     value: Array
     error: Array
+    feels: Array
 
 
 FROM_POINTS = 9.0
@@ -48,7 +50,7 @@ def _directional(light: DirectionalLight) -> Callable[[DD], Arriving]:
 
     def at(point: DD) -> Arriving:
         count = point.hi.shape[1]
-        return Arriving(each_ray(to_light, count), np.broadcast_to(bands, (3, count)), np.zeros(count))
+        return Arriving(each_ray(to_light, count), np.broadcast_to(bands, (3, count)), np.zeros(count), np.zeros(count))
 
     return at
 
@@ -58,7 +60,9 @@ def _point(light: PointLight, eye: tuple[float, float, float]) -> Callable[[DD],
 
     def at(point: DD) -> Arriving:
         to_light = position - point
-        return Arriving(to_light, weakened(bands, light.attenuation, to_light.hi), np.full(point.hi.shape[1], FROM_POINTS))
+        count = point.hi.shape[1]
+        value = weakened(bands, light.attenuation, to_light.hi)
+        return Arriving(to_light, value, np.full(count, FROM_POINTS), np.zeros(count))
 
     return at
 
@@ -69,8 +73,11 @@ def _spot(light: SpotLight, eye: tuple[float, float, float]) -> Callable[[DD], A
 
     def at(point: DD) -> Arriving:
         to_light = position - point
-        factor, error = spot_factor(-dot(to_light, axis) / norm(to_light), edge, light.exponent)
-        return Arriving(to_light, weakened(bands, light.attenuation, to_light.hi) * factor, FROM_POINTS + 1 + error)
+        cosine = -dot(to_light, axis) / norm(to_light)
+        factor, error = spot_factor(cosine, edge, light.exponent)
+        value = weakened(bands, light.attenuation, to_light.hi) * factor
+        flank = light.exponent * np.sqrt(np.maximum(np.where(factor > 0.0, cosine.hi, 1.0) ** -2.0 - 1.0, 0.0))
+        return Arriving(to_light, value, FROM_POINTS + 1 + error, flank)
 
     return at
 

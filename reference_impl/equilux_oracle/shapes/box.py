@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from equilux_oracle.doubledouble import DD, Bools, where
-from equilux_oracle.shapes.crossing import Crossing, Primitive, first_positive
+from equilux_oracle.shapes.crossing import Meeting, Primitive
 from equilux_scenes.model import Box
 
 _FAR = 1e300  # an interval that ends nowhere; only ever compared
@@ -14,13 +14,13 @@ _FAR = 1e300  # an interval that ends nowhere; only ever compared
 def box(shape: Box) -> Primitive:
     """Per axis, the ray is between the two faces for t in [near, far]; the box is where all three hold.
 
-    The entry is the largest near, the exit the smallest far; the face that gave it gives the normal. Seen from inside, the exit
-    is the crossing. Where two faces are met at the same t (an edge of the box), the earlier axis counts.
+    The entry is the largest near, the exit the smallest far; the face that gave it gives the normal. Where two faces are met
+    at the same t (an edge of the box), the earlier axis counts.
     """
     low = np.asarray(shape.min)
     size = DD(shape.max) - DD(shape.min)
 
-    def cross(origin: DD, direction: DD) -> Crossing:
+    def meet(origin: DD, direction: DD) -> Meeting:
         shape_of = np.broadcast_shapes(origin.hi.shape, direction.hi.shape)
         near, far = DD(np.full(shape_of[1], -_FAR)), DD(np.full(shape_of[1], _FAR))
         near_axis, far_axis = np.zeros(shape_of[1], dtype=int), np.zeros(shape_of[1], dtype=int)
@@ -29,15 +29,18 @@ def box(shape: Box) -> Primitive:
             later, sooner = a > near, b < far
             near, far = where(later, a, near), where(sooner, b, far)
             near_axis, far_axis = np.where(later, axis, near_axis), np.where(sooner, axis, far_axis)
-        ahead, t = first_positive(near, far)
-        entering = near.hi > 0.0
-        axis_hit, ray = np.where(entering, near_axis, far_axis), np.arange(shape_of[1])
-        along = np.broadcast_to(direction.hi, shape_of)[axis_hit, ray]
-        normal = np.zeros(shape_of)
-        normal[axis_hit, ray] = np.where((along > 0.0) == entering, -1.0, 1.0)
-        return Crossing(ahead & (near <= far), t, DD(normal))
+        meets = near <= far
 
-    return Primitive(low, float(np.linalg.norm(size.hi)), cross)
+        def normal(t: DD, last: Bools) -> DD:
+            axis_hit, ray = np.where(last, far_axis, near_axis), np.arange(shape_of[1])
+            along = np.broadcast_to(direction.hi, shape_of)[axis_hit, ray]
+            outward = np.zeros(shape_of)
+            outward[axis_hit, ray] = np.where((along > 0.0) == last, 1.0, -1.0)
+            return DD(outward)
+
+        return Meeting((near, far), (meets, meets), normal)
+
+    return Primitive(low, float(np.linalg.norm(size.hi)), meet)
 
 
 def slab(origin: DD, direction: DD, size: DD, count: int) -> tuple[DD, DD]:

@@ -1,4 +1,4 @@
-"""The result of crossing rays with a primitive, and the two ways of choosing among its crossings."""
+"""Where lines meet a primitive: at most two crossings each, since all primitives are convex or lie on a convex one."""
 
 from __future__ import annotations
 
@@ -11,8 +11,33 @@ from equilux_oracle.doubledouble import DD, Array, Bools, where
 
 
 @dataclass(frozen=True)
+class Meeting:
+    """For n lines: the crossings' parameters, in order, whether each exists, and the normals.
+
+    t and exists: one entry where a line can cross but once, else two, the near one first; t is arbitrary where there is none.
+    normal: parameters (n,) and whether they are the last crossing's (n,) → the outward normals there, in object space, not unit,
+    (3, n) or (3, 1).
+    """
+
+    t: tuple[DD, ...]
+    exists: tuple[Bools, ...]
+    normal: Callable[[DD, Bools], DD]
+
+    def first(self, start: Array | float) -> Crossing:
+        """The first crossing with t > start."""
+        counts = [exists & (t.hi > start) for t, exists in zip(self.t, self.exists, strict=True)]
+        t = where(counts[0], self.t[0], self.t[-1])
+        return Crossing(counts[0] | counts[-1], t, self.normal(t, ~counts[0]))
+
+    def number_between(self, start: Array | float, end: Array | float) -> Array:
+        """How many crossings have start < t < end, (n,)."""
+        counts = [exists & (t.hi > start) & (t.hi < end) for t, exists in zip(self.t, self.exists, strict=True)]
+        return np.sum(counts, axis=0, dtype=np.float64)
+
+
+@dataclass(frozen=True)
 class Crossing:
-    """For n rays: whether there is a crossing with t > 0, its parameter, and the outward normal there.
+    """For n rays: whether there is a crossing, its parameter, and the outward normal there.
 
     The normal is in object space, not unit, (3, n). t and normal are arbitrary where there is no crossing.
     """
@@ -26,19 +51,18 @@ class Crossing:
 class Primitive:
     """One primitive in its own space.
 
-    anchor: the point (3,) that ray origins are measured from. cross: origins relative to the anchor and directions → Crossing.
-    bounding_radius: of a sphere about the anchor that holds it; inf for a plane.
+    anchor: the point (3,) that ray origins are measured from. meet: origins relative to the anchor and directions → Meeting.
+    bounding_radius: of a sphere about the anchor that holds it; inf for a plane. curvature: the largest of its surface, 1/m.
     """
 
     anchor: Array
     bounding_radius: float
-    cross: Callable[[DD, DD], Crossing]
+    meet: Callable[[DD, DD], Meeting]
+    curvature: float = 0.0
 
-
-def first_positive(near: DD, far: DD) -> tuple[Bools, DD]:
-    """Of two ordered crossings of a convex body, the first with t > 0: the near one, or the far one seen from inside."""
-    outside = near.hi > 0.0
-    return far.hi > 0.0, where(outside, near, far)
+    def cross(self, origin: DD, direction: DD) -> Crossing:
+        """The first crossing with t > 0."""
+        return self.meet(origin, direction).first(0.0)
 
 
 def each_ray(v: DD, count: int) -> DD:

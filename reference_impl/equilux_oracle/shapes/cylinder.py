@@ -6,7 +6,7 @@ import numpy as np
 
 from equilux_oracle.doubledouble import DD, Bools, dot, vector, where
 from equilux_oracle.shapes.box import slab
-from equilux_oracle.shapes.crossing import Crossing, Primitive, first_positive, vanishes
+from equilux_oracle.shapes.crossing import Meeting, Primitive, vanishes
 from equilux_scenes.model import Cylinder
 
 _FAR = 1e300
@@ -23,24 +23,28 @@ def cylinder(shape: Cylinder) -> Primitive:
     axis2 = dot(axis, axis)
     squared_radius = DD(shape.radius) * shape.radius
 
-    def cross(origin: DD, direction: DD) -> Crossing:
+    def meet(origin: DD, direction: DD) -> Meeting:
         o_across, d_across = _across(origin, axis, axis2), _across(direction, axis, axis2)
         parallel = vanishes(dot(d_across, d_across), dot(direction, direction))
         inside, near, far = _tube(o_across, d_across, parallel, squared_radius)
         o_along, d_along = dot(origin, axis), dot(direction, axis)
         if not shape.capped:
-            hit, t = _first_between(near, far, o_along, d_along, axis2)
-            return Crossing(inside & hit, t, o_across + d_across * t)
+            between = [inside & _between(t, o_along, d_along, axis2) for t in (near, far)]
+            return Meeting((near, far), (between[0], between[1]), lambda t, last: o_across + d_across * t)
         start, end = slab(o_along, d_along, axis2, len(inside))
         enters_tube, leaves_tube = near >= start, far <= end
         entry, exit_ = where(enters_tube, near, start), where(leaves_tube, far, end)
-        ahead, t = first_positive(entry, exit_)
-        on_tube = np.where(entry.hi > 0.0, enters_tube, leaves_tube)
-        cap = axis * np.where((entry.hi > 0.0) == (d_along.hi > 0.0), -1.0, 1.0)
-        return Crossing(inside & ahead & (entry <= exit_), t, where(on_tube, o_across + d_across * t, cap))
+        meets = inside & (entry <= exit_)
+
+        def normal(t: DD, last: Bools) -> DD:
+            on_tube = np.where(last, leaves_tube, enters_tube)
+            cap = axis * np.where(last == (d_along.hi > 0.0), 1.0, -1.0)
+            return where(on_tube, o_across + d_across * t, cap)
+
+        return Meeting((entry, exit_), (meets, meets), normal)
 
     reach = float(np.linalg.norm(axis.hi)) + shape.radius
-    return Primitive(np.asarray(shape.base), reach, cross)
+    return Primitive(np.asarray(shape.base), reach, meet, 1.0 / shape.radius)
 
 
 def _across(v: DD, axis: DD, axis2: DD) -> DD:
@@ -62,10 +66,8 @@ def _tube(o: DD, d: DD, parallel: Bools, squared_radius: DD) -> tuple[Bools, DD,
     return inside, where(along, -end, near), where(along, end, far)
 
 
-def _first_between(near: DD, far: DD, o_along: DD, d_along: DD, axis2: DD) -> tuple[Bools, DD]:
-    def counts(t: DD) -> Bools:
-        along = o_along + d_along * where(np.abs(t.hi) < _FAR, t, DD(-1.0))
-        return (t.hi > 0.0) & (t.hi < _FAR) & (along.hi >= 0.0) & (along <= axis2)
-
-    near_counts, far_counts = counts(near), counts(far)
-    return near_counts | far_counts, where(near_counts, near, where(far_counts, far, DD(0.0)))
+def _between(t: DD, o_along: DD, d_along: DD, axis2: DD) -> Bools:
+    """Whether the tube's crossing lies between the end planes; not for a ray along the axis."""
+    crosses = np.abs(t.hi) < _FAR
+    along = o_along + d_along * where(crosses, t, DD(-1.0))
+    return crosses & (along.hi >= 0.0) & (along <= axis2)

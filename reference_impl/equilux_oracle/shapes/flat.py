@@ -10,7 +10,7 @@ import numpy as np
 
 from equilux_oracle.doubledouble import DD, Bools, cross, dot, vector
 from equilux_oracle.doubledouble import direction as directed
-from equilux_oracle.shapes.crossing import Crossing, Primitive, each_ray, vanishes
+from equilux_oracle.shapes.crossing import Meeting, Primitive, each_ray, vanishes
 from equilux_scenes.model import Disc, Plane, Rectangle
 
 
@@ -18,24 +18,24 @@ def plane(shape: Plane) -> Primitive:
     """The whole plane through `point`."""
     normal = directed(shape.normal)
 
-    def crossing(origin: DD, direction: DD) -> Crossing:
+    def meet(origin: DD, direction: DD) -> Meeting:
         hit, t = _cross_plane(origin, direction, normal)
-        return Crossing(hit, t, each_ray(normal, len(hit)))
+        return _once(hit, t, normal)
 
-    return Primitive(np.asarray(shape.point), np.inf, crossing)
+    return Primitive(np.asarray(shape.point), np.inf, meet)
 
 
 def disc(shape: Disc) -> Primitive:
     """|P − center| ≤ radius."""
     normal = directed(shape.normal)
 
-    def crossing(origin: DD, direction: DD) -> Crossing:
+    def meet(origin: DD, direction: DD) -> Meeting:
         hit, t = _cross_plane(origin, direction, normal)
         point = origin + direction * t
-        hit &= dot(point, point) <= DD(shape.radius) * shape.radius
-        return Crossing(hit, t, each_ray(normal, len(hit)))
+        hit = hit & (dot(point, point) <= DD(shape.radius) * shape.radius)
+        return _once(hit, t, normal)
 
-    return Primitive(np.asarray(shape.center), shape.radius, crossing)
+    return Primitive(np.asarray(shape.center), shape.radius, meet)
 
 
 def rectangle(shape: Rectangle) -> Primitive:
@@ -43,19 +43,22 @@ def rectangle(shape: Rectangle) -> Primitive:
     edges = vector(shape.edge_u), vector(shape.edge_v)
     normal = cross(*edges)
 
-    def crossing(origin: DD, direction: DD) -> Crossing:
+    def meet(origin: DD, direction: DD) -> Meeting:
         hit, t = _cross_plane(origin, direction, normal)
         point = origin + direction * t
         for edge in edges:
             along = dot(point, edge)
-            hit &= (along.hi >= 0.0) & (along <= dot(edge, edge))
-        return Crossing(hit, t, each_ray(normal, len(hit)))
+            hit = hit & (along.hi >= 0.0) & (along <= dot(edge, edge))
+        return _once(hit, t, normal)
 
-    return Primitive(np.asarray(shape.corner), float(np.linalg.norm(shape.edge_u) + np.linalg.norm(shape.edge_v)), crossing)
+    return Primitive(np.asarray(shape.corner), float(np.linalg.norm(shape.edge_u) + np.linalg.norm(shape.edge_v)), meet)
 
 
 def _cross_plane(origin: DD, direction: DD, normal: DD) -> tuple[Bools, DD]:
     towards = dot(direction, normal)
     crosses = ~vanishes(towards * towards, dot(direction, direction) * dot(normal, normal))
-    t = -(dot(origin, normal) / towards)
-    return crosses & (t.hi > 0.0), t
+    return crosses, -(dot(origin, normal) / towards)
+
+
+def _once(hit: Bools, t: DD, normal: DD) -> Meeting:
+    return Meeting((t,), (np.broadcast_to(hit, t.hi.shape),), lambda t, last: each_ray(normal, len(last)))

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from equilux_oracle.doubledouble import DD, dot
-from equilux_oracle.shapes.crossing import Crossing, Primitive, first_positive
+from equilux_oracle.doubledouble import DD, Bools, dot
+from equilux_oracle.shapes.crossing import Meeting, Primitive
 from equilux_scenes.model import Sphere
 
 
@@ -18,13 +18,17 @@ def sphere(shape: Sphere) -> Primitive:
     """
     radius = shape.radius
 
-    def cross(origin: DD, direction: DD) -> Crossing:
+    def meet(origin: DD, direction: DD) -> Meeting:
         dd = dot(direction, direction)
         middle = -(dot(origin, direction) / dd)
         foot = origin + direction * middle
         inside = DD(radius) * radius - dot(foot, foot)
         half = (inside / dd).sqrt()
-        ahead, t = first_positive(middle - half, middle + half)
-        return Crossing((inside.hi >= 0.0) & ahead, t, origin + direction * t)
+        meets = inside.hi >= 0.0
 
-    return Primitive(np.asarray(shape.center), radius, cross)
+        def normal(t: DD, last: Bools) -> DD:
+            return origin + direction * t
+
+        return Meeting((middle - half, middle + half), (meets, meets), normal)
+
+    return Primitive(np.asarray(shape.center), radius, meet, 1.0 / radius)

@@ -63,7 +63,7 @@ def test_a_mesh_is_refused_by_name():
     assert refusal.value.missing_features == ["normals.flat", "shape.mesh"]
     with pytest.raises(ValueError) as error:
         equilux_oracle.radiance(case)
-    assert str(error.value) == "triangle: no closed form for normals.flat, shape.mesh"
+    assert str(error.value) == "triangle: no closed form for normals.flat, shape.mesh (a mesh is data, not a formula)"
 
 
 @pytest.mark.parametrize("seed", range(3))
