@@ -120,12 +120,13 @@ def _planned(
         return PlannedRender(case, entry.name, "failed", capabilities)
     if not entry.probe.found:
         return PlannedRender(case, entry.name, "missing", entry.probe.detail)
-    lacking = [feature for feature in case.requires if feature not in capabilities or capabilities[feature].level == "none"]
+    lacking = [feature for feature in case.demands if feature not in capabilities or capabilities[feature].level == "none"]
     unexcused = [feature for feature in lacking if not _excused(feature, entry, case, as_is=as_is)]
     if unexcused:
+        models = [feature for feature in unexcused if feature.startswith("model.")]
         notes = [
             f"{feature} ({capabilities[feature].note})" if feature in capabilities and capabilities[feature].note else feature
-            for feature in unexcused
+            for feature in models or unexcused  # whoever does not do the model does nothing of the scene
         ]
         return PlannedRender(case, entry.name, "unsupported", f"cannot express {', '.join(notes)}", tuple(unexcused))
     return PlannedRender(case, entry.name, RUN)

@@ -9,10 +9,11 @@ from pathlib import Path
 from typing import Any
 
 from equilux_scenes.expectation import applies
-from equilux_scenes.features import required_features
+from equilux_scenes.features import RESOLVED_FEATURES, required_features
 from equilux_scenes.mesh import TriangleMesh
 from equilux_scenes.model import Expectation, Mesh, Object, Scene
 from equilux_scenes.transforms import matrix
+from equilux_scenes.units import OTHER_THAN_BANDS
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,8 +35,13 @@ class Case:
 
     @property
     def requires(self) -> tuple[str, ...]:
-        """The features that rendering the case needs, sorted."""
+        """The features that the case needs, sorted: of a renderer (`demands`), and of equilux itself."""
         return required_features(self.scene)
+
+    @property
+    def demands(self) -> tuple[str, ...]:
+        """The features that a renderer must have, sorted."""
+        return tuple(feature for feature in self.requires if feature not in RESOLVED_FEATURES)
 
     @property
     def directory_name(self) -> str:
@@ -50,8 +56,8 @@ class Case:
     def canonical(self) -> bytes:
         """What determines the picture, and nothing else, as canonical JSON (UTF-8).
 
-        Names, `about`, `expect`, sweeps, unused materials and the way a number or transform is written do not enter; meshes enter
-        by content. Two cases with equal bytes have equal pictures.
+        Names, `about`, `expect`, sweeps, unused materials, the units of a light and the way a number or transform is written do
+        not enter; meshes enter by content. Two cases with equal bytes have equal pictures.
         """
         scene = self.scene
         content = {
@@ -64,7 +70,7 @@ class Case:
             "recursion_limit": scene.recursion_limit,
             "transparent_shadows": scene.transparent_shadows,
             "viewer": scene.viewer,
-            "lights": [light.model_dump() for light in scene.lights.values()],
+            "lights": [light.model_dump(exclude=set(OTHER_THAN_BANDS)) for light in scene.lights.values()],
             "objects": [self._canonical_object(index, obj) for index, obj in enumerate(scene.objects)],
         }
         return json.dumps(_normalised(content), sort_keys=True, separators=(",", ":"), allow_nan=False).encode()

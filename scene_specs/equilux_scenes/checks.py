@@ -1,25 +1,23 @@
-"""What must hold between the values of one part, beyond each value's own type.
+"""What must hold between the values of one part, beyond each value's own type and whatever the lighting model.
 
-A check names the fields that it needs and runs as soon as those are valid, so that one wrong value hides no other error. Checks
-of whole scenes look at nodes, for the same reason.
+Checks of whole scenes look at nodes, so that one wrong value hides no other error.
 """
 
 from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator
 from types import SimpleNamespace
 
 import numpy as np
 
 from equilux_scenes.causes import CAUSES, is_known
+from equilux_scenes.checking import Context, Problem, check
 from equilux_scenes.errors import hint, number_text, shortened
 from equilux_scenes.expectation import Comparison, WhenError, parse_when
 from equilux_scenes.lecture import ROWS
-from equilux_scenes.limits import Limits, exceeded
-from equilux_scenes.meshes import MeshStore
+from equilux_scenes.limits import exceeded
 from equilux_scenes.model import (
     Attenuation,
     Box,
@@ -27,9 +25,9 @@ from equilux_scenes.model import (
     Expectation,
     Film,
     OrthographicCamera,
-    Part,
     PerspectiveCamera,
     Rectangle,
+    RectangleEmitter,
     Scene,
     Shape,
     TransformStep,
@@ -48,54 +46,6 @@ SINGULAR = 1e-12
 """Ratio of a matrix's smallest to largest stretch below which its inverse has fewer than four digits."""
 
 
-@dataclass
-class Context:
-    """What checks may look at besides the part itself."""
-
-    limits: Limits
-    meshes: MeshStore
-    model: str | None = None
-
-
-@dataclass(frozen=True)
-class Problem:
-    """Something wrong at `path` inside the part: what is allowed there, or a whole `message`."""
-
-    path: tuple[str | int, ...]
-    allowed: str = ""
-    note: str = ""
-    message: str | None = None
-    place: Place | None = None
-
-
-Run = Callable[[SimpleNamespace, MapNode, Context], Iterator[Problem]]
-
-
-@dataclass(frozen=True)
-class Check:
-    """A check of one or several kinds of part."""
-
-    parts: tuple[type[Part], ...]
-    needs: tuple[str, ...]
-    run: Run
-
-
-_CHECKS: list[Check] = []
-
-
-def _check(*parts: type[Part], needs: tuple[str, ...] = ()) -> Callable[[Run], Run]:
-    def register(run: Run) -> Run:
-        _CHECKS.append(Check(parts, needs, run))
-        return run
-
-    return register
-
-
-def checks_of(cls: type[Part]) -> Iterator[Check]:
-    """The checks that apply to a kind of part."""
-    return (check for check in _CHECKS if issubclass(cls, check.parts))
-
-
 def _difference(a: tuple[float, ...], b: tuple[float, ...]) -> tuple[float, float, float]:
     """Direction from b to a; halved first, so that it cannot overflow."""
     x, y, z = (p / 2 - q / 2 for p, q in zip(a, b, strict=True))
@@ -109,20 +59,20 @@ def _sine(a: tuple[float, ...], b: tuple[float, ...]) -> float:
 # --- camera and film --------------------------------------------------------------------------------------------------
 
 
-@_check(PerspectiveCamera, OrthographicCamera, needs=("eye", "target"))
+@check(PerspectiveCamera, OrthographicCamera, needs=("eye", "target"))
 def _eye_apart_from_target(camera: SimpleNamespace, node: MapNode, context: Context) -> Iterator[Problem]:
     if not any(_difference(camera.target, camera.eye)):
         yield Problem(("target",), "another point than the eye")
 
 
-@_check(PerspectiveCamera, OrthographicCamera, needs=("eye", "target", "up"))
+@check(PerspectiveCamera, OrthographicCamera, needs=("eye", "target", "up"))
 def _up_across_the_view(camera: SimpleNamespace, node: MapNode, context: Context) -> Iterator[Problem]:
     forward = _difference(camera.target, camera.eye)
     if any(forward) and _sine(camera.up, forward) <= PARALLEL:
         yield Problem(("up",), "a direction not parallel to the view", "" if "up" in node.entries else " (give 'up')")
 
 
-@_check(Film, needs=("width", "height"))
+@check(Film, needs=("width", "height"))
 def _pixels_within_limit(film: SimpleNamespace, node: MapNode, context: Context) -> Iterator[Problem]:
     pixels = film.width * film.height
     if pixels > context.limits.pixels:
@@ -132,7 +82,7 @@ def _pixels_within_limit(film: SimpleNamespace, node: MapNode, context: Context)
 # --- lights -----------------------------------------------------------------------------------------------------------
 
 
-@_check(Attenuation, needs=("constant", "linear", "quadratic"))
+@check(Attenuation, needs=("constant", "linear", "quadratic"))
 def _attenuation_stays_positive(terms: SimpleNamespace, node: MapNode, context: Context) -> Iterator[Problem]:
     if terms.constant == terms.linear == terms.quadratic == 0:
         yield Problem((), "at least one term > 0 (the light would be infinitely bright)")
@@ -141,20 +91,20 @@ def _attenuation_stays_positive(terms: SimpleNamespace, node: MapNode, context: 
 # --- objects ----------------------------------------------------------------------------------------------------------
 
 
-@_check(Box, needs=("min", "max"))
+@check(Box, needs=("min", "max"))
 def _box_has_volume(box: SimpleNamespace, node: MapNode, context: Context) -> Iterator[Problem]:
     for axis, (low, high) in enumerate(zip(box.min, box.max, strict=True)):
         if low >= high:
             yield Problem(("max", axis), f"a number > {number_text(low)}, which is min[{axis}]")
 
 
-@_check(Cylinder, needs=("base", "top"))
+@check(Cylinder, needs=("base", "top"))
 def _cylinder_has_length(cylinder: SimpleNamespace, node: MapNode, context: Context) -> Iterator[Problem]:
     if not any(_difference(cylinder.top, cylinder.base)):
         yield Problem(("top",), "another point than the base")
 
 
-@_check(Rectangle, needs=("edge_u", "edge_v"))
+@check(Rectangle, RectangleEmitter, needs=("edge_u", "edge_v"))
 def _edges_orthogonal(rectangle: SimpleNamespace, node: MapNode, context: Context) -> Iterator[Problem]:
     cosine = sum(a * b for a, b in zip(unit(rectangle.edge_u), unit(rectangle.edge_v), strict=True))
     if abs(cosine) > ORTHOGONAL:
@@ -162,19 +112,19 @@ def _edges_orthogonal(rectangle: SimpleNamespace, node: MapNode, context: Contex
         yield Problem(("edge_v",), f"an edge orthogonal to edge_u (it makes {degrees:.9g}° with it)")
 
 
-@_check(TransformStep, needs=("scale", "rotate", "translate", "matrix"))
+@check(TransformStep, needs=("scale", "rotate", "translate", "matrix"))
 def _one_kind_of_step(step: SimpleNamespace, node: MapNode, context: Context) -> Iterator[Problem]:
     if len(node.entries) != 1:
         yield Problem((), "exactly one of scale, rotate, translate, matrix")
 
 
-@_check(TransformStep, needs=("matrix",))
+@check(TransformStep, needs=("matrix",))
 def _matrix_is_affine(step: SimpleNamespace, node: MapNode, context: Context) -> Iterator[Problem]:
     if step.matrix is not None and step.matrix[3] != (0.0, 0.0, 0.0, 1.0):
         yield Problem(("matrix", 3), "[0, 0, 0, 1] as the last row (points stay points)")
 
 
-@_check(Shape, needs=("transform",))
+@check(Shape, needs=("transform",))
 def _transform_can_be_undone(shape: SimpleNamespace, node: MapNode, context: Context) -> Iterator[Problem]:
     if not shape.transform:
         return
@@ -191,7 +141,7 @@ def _transform_can_be_undone(shape: SimpleNamespace, node: MapNode, context: Con
 # --- the scene --------------------------------------------------------------------------------------------------------
 
 
-@_check(Scene)
+@check(Scene)
 def _materials_are_defined(scene: SimpleNamespace, node: MapNode, context: Context) -> Iterator[Problem]:
     materials, objects = node.entries.get("materials"), node.entries.get("objects")
     if not isinstance(objects, ListNode) or not isinstance(materials, MapNode | None):
@@ -208,7 +158,7 @@ _AXIS_NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_-]{0,39}\Z")
 _PRINTABLE_NAME = re.compile(r"[^\x00-\x1f\x7f-\x9f\u2028\u2029]{1,100}\Z")
 
 
-@_check(Scene)
+@check(Scene)
 def _names_are_usable(scene: SimpleNamespace, node: MapNode, context: Context) -> Iterator[Problem]:
     kinds = (
         ("lights", "light", _PRINTABLE_NAME, "1 to 100 printable characters"),
@@ -222,7 +172,7 @@ def _names_are_usable(scene: SimpleNamespace, node: MapNode, context: Context) -
                 yield Problem((), message=f"name of {what}: got '{shortened(name)}', allowed {allowed}", place=place)
 
 
-@_check(Scene, needs=("shows",))
+@check(Scene, needs=("shows",))
 def _rows_of_the_lecture_exist(scene: SimpleNamespace, node: MapNode, context: Context) -> Iterator[Problem]:
     for index, row_id in enumerate(scene.shows):
         if row_id not in ROWS:
@@ -232,14 +182,14 @@ def _rows_of_the_lecture_exist(scene: SimpleNamespace, node: MapNode, context: C
 # --- expectations -----------------------------------------------------------------------------------------------------
 
 
-@_check(Expectation, needs=("cause",))
+@check(Expectation, needs=("cause",))
 def _cause_exists(expectation: SimpleNamespace, node: MapNode, context: Context) -> Iterator[Problem]:
     if not is_known(expectation.cause):
         note = hint(expectation.cause, CAUSES, otherwise=" (a third party's own is written name:cause)")
         yield Problem(("cause",), "a known cause id", note)
 
 
-@_check(Scene)
+@check(Scene)
 def _whens_compare_axes_with_numbers(scene: SimpleNamespace, node: MapNode, context: Context) -> Iterator[Problem]:
     expect, sweep = node.entries.get("expect"), node.entries.get("sweep")
     axes = sweep.entries if isinstance(sweep, MapNode) else {}

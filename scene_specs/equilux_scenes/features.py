@@ -26,8 +26,10 @@ from equilux_scenes.model import (
     Scene,
     Sphere,
     SpotLight,
+    Strength,
 )
 from equilux_scenes.transforms import matrix
+from equilux_scenes.units import OTHER_THAN_BANDS
 
 FEATURES: dict[str, str] = {
     "model.phong": "the local Phong model: no occlusion, both faces lit alike",
@@ -76,11 +78,21 @@ FEATURES: dict[str, str] = {
 }
 """Feature id → what it is."""
 
+RESOLVED_FEATURES: dict[str, str] = {
+    "input.flux": "a light given by its flux",
+    "input.photometric": "a light given in candelas, lux, lumens or cd/m²",
+    "input.spectrum": "a light given by a spectrum",
+    "bands.intervals": "bands that are intervals of wavelengths",
+}
+"""Features that are dealt with while a scene is read, so that no renderer needs them."""
+
 
 def required_features(scene: Scene) -> tuple[str, ...]:
     """The feature ids that rendering `scene` needs, sorted. Materials that no object uses do not count."""
     used = [scene.materials[name] for name in {obj.material: None for obj in scene.objects}]
     found = {f"model.{scene.model}", f"camera.{scene.camera.projection}"}
+    if scene.bands is not None:
+        found.add("bands.intervals")
     if any(scene.background):
         found.add("background")
     if scene.viewer == "infinite":
@@ -100,6 +112,7 @@ def required_features(scene: Scene) -> tuple[str, ...]:
 
 def _light_features(light: Light) -> Iterator[str]:
     yield f"light.{light.kind}"
+    yield from _input_features(light)
     if isinstance(light, LightColours):
         yield from _colour_features(light)
     if isinstance(light, DirectionalLight | Emitter):
@@ -109,6 +122,16 @@ def _light_features(light: Light) -> Iterator[str]:
     for term in ("constant", "linear", "quadratic"):
         if getattr(light.attenuation, term) > 0:
             yield f"attenuation.{term}"
+
+
+def _input_features(light: Strength) -> Iterator[str]:
+    given = {key for key in OTHER_THAN_BANDS if getattr(light, key, None) is not None}
+    if given & {"flux", "luminous_flux"}:
+        yield "input.flux"
+    if given - {"flux", "spectrum"}:
+        yield "input.photometric"
+    if "spectrum" in given:
+        yield "input.spectrum"
 
 
 def _colour_features(light: LightColours) -> Iterator[str]:

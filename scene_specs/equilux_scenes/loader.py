@@ -8,7 +8,7 @@ from importlib.resources import files
 from pathlib import Path
 
 from equilux_scenes.case import Case
-from equilux_scenes.checks import Context
+from equilux_scenes.checking import Context
 from equilux_scenes.comments import comments_beside
 from equilux_scenes.confined import CannotRead, read_bytes
 from equilux_scenes.errors import SpecError, SpecErrors

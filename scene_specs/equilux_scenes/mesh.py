@@ -75,6 +75,27 @@ def triangle_areas(mesh: TriangleMesh) -> Floats:
     return areas
 
 
+def open_edge(mesh: TriangleMesh) -> tuple[int, int, int, int] | None:
+    """An edge that keeps the mesh from being watertight: its vertices a and b, and how many triangles have it along and against.
+
+    None where every edge belongs to exactly two triangles that are wound alike, vertices at one position counting as one.
+    Triangles that then have fewer than three vertices bound nothing and are left out.
+    """
+    _, first, welded = np.unique(mesh.vertices + 0.0, axis=0, return_index=True, return_inverse=True)
+    faces = welded.reshape(-1)[mesh.faces]
+    faces = faces[(faces[:, 0] != faces[:, 1]) & (faces[:, 1] != faces[:, 2]) & (faces[:, 2] != faces[:, 0])]
+    edges = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
+    count = len(first)
+    codes, along = np.unique(edges.min(axis=1) * count + edges.max(axis=1), return_inverse=True)
+    forward = np.bincount(along, weights=edges[:, 0] < edges[:, 1], minlength=len(codes))
+    total = np.bincount(along, minlength=len(codes))
+    wrong = np.flatnonzero((forward != 1) | (total != 2))
+    if not len(wrong):
+        return None
+    low, high = divmod(int(codes[wrong[0]]), count)
+    return int(first[low]), int(first[high]), int(forward[wrong[0]]), int(total[wrong[0]] - forward[wrong[0]])
+
+
 def summed_normals(mesh: TriangleMesh) -> tuple[Floats, Floats]:
     """Per vertex: (n, 3) Σ area × angle × unit face normal, and (n,) Σ area × angle to judge by how much is left of that sum."""
     crosses = _crosses(mesh)

@@ -114,18 +114,26 @@ class BandIntervals(Part):
 
 
 class Spectrum(Part):
-    """A spectral density: exactly one of the four. Between samples it is linear in the wavelength, outside them 0."""
+    """A spectral density: exactly one of table, blackbody, illuminant, line_nm. Linear between samples, 0 outside them.
 
-    model_config = ConfigDict(json_schema_extra={"minProperties": 1, "maxProperties": 1})
+    It is absolute where that has a meaning (a table; a blackbody that an emitter is made of), and relative where a strength is
+    given: `total`, or a flux or a luminous quantity of the light.
+    """
+
+    model_config = ConfigDict(
+        json_schema_extra={"oneOf": [{"required": [key]} for key in ("table", "blackbody", "illuminant", "line_nm")]}
+    )
 
     table: Samples | Absent = None
-    """Pairs [wavelength in nm, value]: per nm in the unit of the light's bands, or relative where the light's strength is given."""
+    """Pairs [wavelength in nm, value]; the value per nm, in the unit of the light's bands."""
     blackbody: Positive | Absent = None
-    """Temperature in K. Planck's law; for an emitter without a strength its own radiance, else relative."""
+    """Planck's law at this temperature, K."""
     illuminant: Annotated[str | Absent, Allowed("the name of a CIE illuminant, such as D65")] = None
-    """A named illuminant; relative, as published over its table."""
+    """The name of a CIE illuminant, such as D65; relative."""
     line_nm: Positive | Absent = None
-    """A single wavelength in nm, all of the light's strength in it."""
+    """A single wavelength, nm; relative."""
+    total: NonNegative | Absent = None
+    """The integral over all wavelengths, in the unit of the light's bands."""
 
 
 # --- lights -----------------------------------------------------------------------------------------------------------
@@ -139,7 +147,7 @@ class Strength(Part):
     """
 
     spectrum: Spectrum | Absent = None
-    """Makes the bands; their strength is then one number, in W or lm, or absolute in a table (in a blackbody of an emitter)."""
+    """Makes the bands."""
 
 
 class Attenuation(Part):

@@ -14,7 +14,7 @@ import math
 
 import numpy as np
 
-from equilux_scenes.model import Scene
+from equilux_scenes.model import BandIntervals, Scene
 from equilux_scenes.spectra import luminosity_over
 from equilux_scenes.spectral_data import Floats
 
@@ -49,10 +49,15 @@ def luminance_weights(scene: Scene) -> tuple[float, float, float]:
 
     Raises SpectraMissing where the scene names intervals of wavelengths and colour-science is not installed.
     """
-    if scene.bands is None:
-        r, g, b = REC709_TO_XYZ[1] * scene.k_m
+    return weights_of(scene.k_m, scene.bands)
+
+
+def weights_of(k_m: float, bands: BandIntervals | None) -> tuple[float, float, float]:
+    """`luminance_weights` of any scene with this K_m and these bands (None: Rec.709)."""
+    if bands is None:
+        r, g, b = REC709_TO_XYZ[1] * k_m
     else:
-        r, g, b = (scene.k_m * luminosity_over((low, high)) / (high - low) for low, high in scene.bands.intervals_nm)
+        r, g, b = (k_m * luminosity_over((low, high)) / (high - low) for low, high in bands.intervals_nm)
     return float(r), float(g), float(b)
 
 

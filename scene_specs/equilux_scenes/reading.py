@@ -15,18 +15,22 @@ from typing import Any, Final, get_args
 from pydantic import ValidationError
 from pydantic.fields import FieldInfo
 
-from equilux_scenes.checks import Context, Problem, checks_of
+from equilux_scenes import checks, checks_of_lights, checks_of_models
+from equilux_scenes.checking import Context, Problem, checks_of
 from equilux_scenes.errors import SpecError, SpecErrors, hint, number_text, shortened
 from equilux_scenes.kinds import Kind, Leaf, Many, PartOf, fields_of
-from equilux_scenes.later import KINDS_OF_LATER_VERSIONS, TERMS_OF_LATER_VERSIONS
 from equilux_scenes.limits import exceeded
 from equilux_scenes.mesh import MeshError, TriangleMesh, triangle_areas
-from equilux_scenes.model import LIGHTING_MODELS, Mesh, Part, Scene
-from equilux_scenes.shown import label, owner, shown
-from equilux_scenes.values import OnlyIn
+from equilux_scenes.model import LIGHTING_MODELS, ZERO, BandIntervals, Mesh, Part, Scene, Strength
+from equilux_scenes.shown import label, owner, scene_of, shown
+from equilux_scenes.units import CannotResolve, Units, in_bands
+from equilux_scenes.values import OnlyIn, OrFrom
 from equilux_scenes.yaml_tree import ListNode, MapNode, Node, Place, ScalarNode, YamlText, plain, walk
 
 Path = tuple[str | int, ...]
+
+CHECKS = (checks, checks_of_lights, checks_of_models)
+"""Where the checks are; importing them declares them."""
 
 
 class Invalid:
@@ -46,14 +50,25 @@ class Reader:
         self.warnings: list[SpecError] = []
         self.part_at: dict[Path, type[Part]] = {}
         self._meshes: dict[int, TriangleMesh] = {}
-        self._remembered: dict[tuple[int, int], tuple[Node, Any]] = {}
+        self._remembered: dict[tuple[object, ...], tuple[Node, Any]] = {}
 
     def scene(self, root: Node) -> Scene | None:
         """The typed scene, or None with its errors collected."""
         model = root.entries.get("model") if isinstance(root, MapNode) else None
         self.context.model = model.value if isinstance(model, ScalarNode) and isinstance(model.value, str) else None
+        self.context.units = self._units(root)
         scene = self._part(PartOf((Scene,)), root, ())
         return scene if isinstance(scene, Scene) else None
+
+    def _units(self, root: Node) -> Units:
+        """What lights in photometric units depend on; the default in place of what is wrong, which is reported all the same."""
+        if not isinstance(root, MapNode):
+            return Units()
+        self.part_at[()] = Scene
+        kinds = {name: kind for name, kind, _ in fields_of(Scene) if name in ("k_m", "bands") and name in root.entries}
+        found = {name: self._value(kind, root.entries[name], (name,)) for name, kind in kinds.items()}
+        k_m, bands = found.get("k_m"), found.get("bands")
+        return Units(k_m if isinstance(k_m, float) else Units.k_m, bands if isinstance(bands, BandIntervals) else None)
 
     def meshes(self, scene: Scene) -> dict[int, TriangleMesh]:
         """Object index → mesh of a scene read by this reader."""
@@ -74,7 +89,8 @@ class Reader:
     # --- values ---------------------------------------------------------------------------------------------------
 
     def _value(self, kind: Kind, node: Node, path: Path) -> Any:
-        key = (id(node), id(kind))
+        # what a part means depends on the scene's model and units too, which may be swept
+        key = (id(node), id(kind), self.context.model, self.context.units)
         if key not in self._remembered:
             # the node is kept, so that its id stays its own
             self._remembered[key] = (node, self._read(kind, node, path))
@@ -97,7 +113,7 @@ class Reader:
                 if found.place.start not in places:
                     places.add(found.place.start)
                     allowed = leaf.allowed.at_depth(len(inside))
-                    self._not_allowed(found, (*path, *inside), allowed, _word_note(leaf.words, str(path[-1]), found))
+                    self._not_allowed(found, (*path, *inside), allowed, _word_note(leaf.words, found))
             return INVALID
 
     def _not_allowed(self, node: Node, path: Path, allowed: str, note: str = "") -> None:
@@ -165,14 +181,14 @@ class Reader:
     def _class(self, part: PartOf, node: MapNode, path: Path) -> type[Part] | None:
         if part.discriminator is None:
             return part.classes[0]
-        tags = part.tags()
+        tags = {tag: cls for tag, cls in part.tags().items() if self._kind_exists(cls)}
         given = node.entries.get(part.discriminator)
         if given is None:
             self._no_discriminator(part, node, path)
             return None
         if isinstance(given, ScalarNode) and isinstance(given.value, str) and given.value in tags:
             return tags[given.value]
-        note = _word_note(tuple(tags), str(path[0]), given)
+        note = self._other_model_note(part, given) or _word_note(tuple(tags), given)
         self.error_at(
             given.place, f"{part.discriminator} of {owner(path, None)}: got {shown(given)}, allowed {', '.join(tags)}{note}"
         )
@@ -187,7 +203,19 @@ class Reader:
             if key not in known and (meant := hint(key, [part.discriminator])):
                 self.error_at(place, f"unknown key '{shortened(key)}' in {what}{meant}")
                 return
-        self.error_at(node.place, f"missing key '{part.discriminator}' in {what}, allowed {', '.join(part.tags())}")
+        kinds = ", ".join(tag for tag, cls in part.tags().items() if self._kind_exists(cls))
+        self.error_at(node.place, f"missing key '{part.discriminator}' in {what}, allowed {kinds}")
+
+    def _kind_exists(self, cls: type[Part]) -> bool:
+        only = cls.kinds_only_in
+        return only is None or self.context.model in only.models or self.context.model not in LIGHTING_MODELS
+
+    def _other_model_note(self, part: PartOf, given: Node) -> str:
+        """Of a kind that another model has."""
+        cls = part.tags().get(str(given.value)) if isinstance(given, ScalarNode) else None
+        if cls is None or cls.kinds_only_in is None:
+            return ""
+        return f" in {scene_of(self.context.model)} (the model {cls.kinds_only_in} has this kind)"
 
     def _fields(self, cls: type[Part], node: MapNode, path: Path) -> Any:
         self._unknown_keys(cls, node, path)
@@ -207,14 +235,25 @@ class Reader:
         part = cls.model_construct(_fields_set=set(node.entries), **values)
         if mesh is not None:
             self._meshes[id(part)] = mesh
-        return part
+        return self._in_bands(part, node, path) if isinstance(part, Strength) else part
+
+    def _in_bands(self, light: Strength, node: MapNode, path: Path) -> Strength | Invalid:
+        try:
+            return in_bands(light, self.context.units)
+        except CannotResolve as failed:
+            self._problem(Problem(failed.path, failed.allowed, failed.note), node, path)
+            return INVALID
 
     def _field(self, name: str, kind: Kind, field: FieldInfo, node: MapNode, path: Path) -> Any:
         child = node.entries.get(name)
         if child is None:
             if not field.is_required():
                 return field.get_default(call_default_factory=True)
-            self.error_at(node.place, f"missing key '{name}' in {self._owner(path)}, allowed {_allowed_words(kind)}")
+            other = next((item.keys for item in field.metadata if isinstance(item, OrFrom)), ())
+            if any(key in node.entries for key in other):
+                return ZERO  # until it is worked out
+            note = f" (or one of {', '.join(other)})" if other else ""
+            self.error_at(node.place, f"missing key '{name}' in {self._owner(path)}, allowed {_allowed_words(kind)}{note}")
             return INVALID
         value = self._value(kind, child, (*path, name))
         return value if value is INVALID or self._term_exists(value, field, child, (*path, name)) else INVALID
@@ -225,7 +264,7 @@ class Reader:
         default = field.get_default(call_default_factory=True)
         if only is None or value == default or self.context.model in only.models or self.context.model not in LIGHTING_MODELS:
             return True
-        words = f"only its default, {_default_words(default)}, in a '{self.context.model}' scene"
+        words = f"only its default, {_default_words(default)}, in {scene_of(self.context.model)}"
         self._not_allowed(node, path, words, f" (the model {only} has this term)")
         return False
 
@@ -233,9 +272,7 @@ class Reader:
         for key, place in node.keys.items():
             if key in cls.model_fields:
                 continue
-            later = TERMS_OF_LATER_VERSIONS.get((str(path[0]) if path else "", key))
-            known = ", ".join(cls.model_fields)
-            note = f", allowed {known} ({later})" if later else hint(key, cls.model_fields, otherwise=f", allowed {known}")
+            note = hint(key, cls.model_fields, otherwise=f", allowed {', '.join(cls.model_fields)}")
             self.error_at(place, f"unknown key '{shortened(key)}' in {self._owner(path)}{note}")
 
     def _check(self, cls: type[Part], values: dict[str, Any], node: MapNode, path: Path) -> None:
@@ -247,7 +284,8 @@ class Reader:
     def _problem(self, problem: Problem, node: MapNode, path: Path) -> None:
         found, inside = walk(node, problem.path)
         if problem.message is not None:
-            self.error_at(problem.place or found.place, problem.message)
+            report = self.warn_at if problem.warning else self.error_at
+            report(problem.place or found.place, problem.message)
         elif len(inside) == 0 and problem.path:  # the value is a default
             words = f"not given, allowed {problem.allowed}{problem.note}"
             self.error_at(found.place, f"{label(problem.path)} of {self._owner(path)}: {words}")
@@ -260,6 +298,7 @@ class Reader:
         values = {"normals": "flat", **values}  # where it is wrong, the triangles are looked at all the same
         try:
             mesh = self.context.meshes.triangles(SimpleNamespace(**values), node)
+            self.context.mesh_at[id(node)] = (node, mesh)
             if not triangle_areas(mesh).any():
                 self.warn_at(node.place, f"{self._owner(path)}: none of its triangles has an area, so nothing is seen of it")
             return mesh
@@ -282,9 +321,6 @@ def _allowed_words(kind: Kind) -> str:
     return "a mapping" if isinstance(kind, PartOf) or kind.container == "mapping" else "a list"
 
 
-def _word_note(words: tuple[str, ...], group: str, node: Node) -> str:
-    """The nearest of the words that are allowed, or why this one is not there yet."""
-    if not words or not isinstance(node, ScalarNode) or not isinstance(node.value, str):
-        return ""
-    later = {value: why for (where, value), why in KINDS_OF_LATER_VERSIONS.items() if where == group}
-    return f" ({later[node.value]})" if node.value in later else hint(node.value, [*words, *later])
+def _word_note(words: tuple[str, ...], node: Node) -> str:
+    """The nearest of the words that are allowed."""
+    return hint(node.value, words) if isinstance(node, ScalarNode) and isinstance(node.value, str) else ""

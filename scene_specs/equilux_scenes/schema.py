@@ -13,7 +13,8 @@ from typing import Any
 
 from pydantic.json_schema import GenerateJsonSchema
 
-from equilux_scenes.model import Part, Scene
+from equilux_scenes.model import Part, Scene, Strength
+from equilux_scenes.units import bands_key, strengths
 from equilux_scenes.values import OnlyIn
 
 DIALECT = "https://json-schema.org/draft/2020-12/schema"
@@ -38,7 +39,18 @@ def json_schema() -> dict[str, Any]:
             if only is not None and name in properties:
                 words = f"Only in the model {only}; in a scene of another model, leave it out."
                 properties[name]["description"] = f"{field.description} {words}" if field.description else words
+        if issubclass(cls, Strength) and (part := schema["$defs"].get(cls.__name__)) is not None:
+            _one_strength(part, cls)
     return {"$schema": DIALECT, **schema, "title": "equilux scene spec"}
+
+
+def _one_strength(part: dict[str, Any], cls: type[Strength]) -> None:
+    """Bands are required, or else what they are worked out from."""
+    bands = bands_key(cls)
+    part["required"].remove(bands)
+    part["oneOf"] = [{"required": [key]} for key in strengths(cls)]
+    beside = [{"required": [key]} for key in strengths(cls)]
+    part["oneOf"].append({"required": ["spectrum"], "not": {"anyOf": beside}})
 
 
 def _parts(base: type[Part]) -> Iterator[type[Part]]:

@@ -27,6 +27,11 @@ def owner(path: tuple[str | int, ...], kind: str | None = None) -> str:
     return f"{label((key,))} of {owner((*outer, group))}"
 
 
+def scene_of(model: str | None) -> str:
+    """`a 'phong' scene`."""
+    return f"{'an' if model and model[0] in 'aeiou' else 'a'} '{model}' scene"
+
+
 def label(path: tuple[str | int, ...]) -> str:
     """A place inside a part: `position[1]`."""
     head, *rest = path or ("value",)

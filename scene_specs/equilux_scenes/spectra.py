@@ -61,7 +61,8 @@ class Line(Density):
         return 1.0 if interval_nm[0] <= self.wavelength_nm <= interval_nm[1] else 0.0
 
     def xyz(self) -> Floats:
-        return _values(matching_functions(), np.array([self.wavelength_nm]))[0]
+        found: Floats = _values(matching_functions(), np.array([self.wavelength_nm]))[0]
+        return found
 
 
 class Spread(Density):

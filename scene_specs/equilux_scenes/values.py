@@ -82,9 +82,7 @@ Fraction = Annotated[float, Field(ge=0, le=1), Allowed("a number in [0, 1]")]
 Count = Annotated[int, Field(ge=1), Allowed("an integer ≥ 1")]
 Text = Annotated[str, Allowed("text")]
 
-Words = Annotated[
-    tuple[str, ...], BeforeValidator(_as_tuple), Allowed("a list of words", ("a word",))
-]
+Words = Annotated[tuple[str, ...], BeforeValidator(_as_tuple), Allowed("a list of words", ("a word",))]
 """Several words."""
 
 Vector3 = Annotated[
@@ -118,6 +116,7 @@ Bands = Annotated[
     _number_or_three(minimum=0),
 ]
 """One radiometric quantity in three linear bands; one number stands for three equal ones."""
+
 
 def _one_of_two(value: float) -> float:
     if value not in (683.002, 684.0):

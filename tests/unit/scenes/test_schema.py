@@ -51,7 +51,7 @@ def test_every_key_of_every_part_is_described_or_says_it_all_by_its_name() -> No
 
 def test_terms_of_other_models_say_so() -> None:
     material = json_schema()["$defs"]["Material"]["properties"]
-    assert "Only in the model raytraced" in material["reflection"]["description"]
+    assert "Only in the model 'raytraced'" in material["reflection"]["description"]
     assert "Only in" not in material["diffuse"]["description"]
 
 
@@ -72,7 +72,7 @@ REJECTED = {
     "fov": ("fov_y_deg: 30", "fov_y_deg: 180"),
     "version": ("equilux: 1", "equilux: 2"),
     "name": ("name: every-part", "name: Every Part"),
-    "model": ("model: phong", "model: raytraced"),
+    "model": ("model: phong", "model: radiosity"),
     "missing": ("film: {width: 64, height: 48}\n", ""),
     "step of two": ("{scale: 2}", "{scale: 2, translate: [0, 0, 1]}"),
     "empty step": ("{scale: 2}", "{}"),
