@@ -10,7 +10,7 @@ from importlib.resources import files
 
 from equilux_report import colour
 
-STYLES = ("tokens", "base", "controls", "verdict", "overview", "skyline", "matrix", "charts", "case", "viewer", "print")
+STYLES = ("tokens", "base", "controls", "verdict", "overview", "skyline", "matrix", "charts", "case", "brdf", "viewer", "print")
 SCRIPTS = (
     "namespace",
     "theme",

@@ -26,7 +26,7 @@ STYLE = """
 .brdf .r{stroke:light-dark(#c22f2f,#ff8a80)}
 .brdf .g{stroke:light-dark(#1d7a35,#7bd88f)}.brdf .b{stroke:light-dark(#2456c8,#8ab4ff)}
 """.strip()
-"""Stands in every SVG, so that it can be used alone; in the report the page's colours win."""
+"""Of a plot that stands alone; the report's own style sheet says the same in the page's colours."""
 
 _BANDS = {"all": "all bands", "r": "R", "g": "G", "b": "B"}
 
@@ -39,13 +39,13 @@ class Curve:
     study: Mapping[str, Any]
 
 
-def polar_plot(curves: Sequence[Curve], title: str) -> str:
+def polar_plot(curves: Sequence[Curve], title: str, *, style: str = STYLE) -> str:
     """f_r in the plane of incidence as distance from the point of reflection, 1/sr; the light comes from the left."""
     width, height, radius, cx, cy = 360, 226, 160.0, 180.0, 196.0
     top = _nice(max(value for curve in curves for value in curve.study["curve"]))
     scale = radius / top
     theta = math.radians(curves[0].study["theta_i_deg"])
-    parts = [_head(width, height, title)]
+    parts = [_head(width, height, title, style)]
     for share in (0.25, 0.5, 0.75, 1.0):
         r = radius * share
         parts.append(f'<path class="grid" d="M{cx - r:.1f} {cy}A{r:.1f} {r:.1f} 0 0 1 {cx + r:.1f} {cy}"/>')
@@ -65,12 +65,12 @@ def polar_plot(curves: Sequence[Curve], title: str) -> str:
     return "".join(parts) + "</svg>"
 
 
-def reflectance_plot(curves: Sequence[Curve], title: str) -> str:
+def reflectance_plot(curves: Sequence[Curve], title: str, *, style: str = STYLE) -> str:
     """ρ over the angle of incidence; the dashed line is 1, above which more light leaves than arrives."""
     width, height, left, right, top_y, bottom = 360, 226, 38.0, 350.0, 12.0, 182.0
     largest = max(value for curve in curves for value in curve.study["rho"])
     top = max(_nice(min(largest, 4.0)), 1.0)
-    parts = [_head(width, height, title)]
+    parts = [_head(width, height, title, style)]
     for step in range(5):
         y = bottom - (bottom - top_y) * step / 4
         parts.append(f'<path class="grid" d="M{left} {y:.1f}H{right}"/>')
@@ -93,10 +93,10 @@ def reflectance_plot(curves: Sequence[Curve], title: str) -> str:
     return "".join(parts) + "</svg>"
 
 
-def _head(width: int, height: int, title: str) -> str:
+def _head(width: int, height: int, title: str, style: str) -> str:
     return (
         f'<svg class="brdf" xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {height}" width="{width}" role="img" '
-        f'aria-label="{escape(title, quote=True)}"><title>{escape(title)}</title><style>{STYLE}</style>'
+        f'aria-label="{escape(title, quote=True)}"><title>{escape(title)}</title>' + (f"<style>{style}</style>" if style else "")
     )
 
 

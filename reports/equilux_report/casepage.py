@@ -7,8 +7,9 @@ from dataclasses import dataclass
 from typing import Any
 
 from equilux_report import words
+from equilux_report.brdfs import BrdfView, brdf_views
 from equilux_report.calibration import Bin, rebin
-from equilux_report.facts import Facts, count, mapping, number, objects
+from equilux_report.facts import Facts, count, mapping, number, numbers, objects, text
 from equilux_report.links import Links
 from equilux_report.programfiles import ProgramFile, program_files
 from equilux_report.tree import CaseRecord, Pair, Render
@@ -70,6 +71,7 @@ class CasePage:
     pairs: tuple[PairView, ...]
     renders: tuple[RenderView, ...]
     config: Mapping[str, Any]
+    brdfs: tuple[BrdfView, ...]
     previous: CaseRecord | None
     next: CaseRecord | None
 
@@ -93,6 +95,7 @@ def case_page(
         tuple(_pair_view(case, pair) for pair in ordered),
         tuple(_render_view(case.renders[name]) for name in _order(case)),
         _config(case, ordered, links, packed, stops),
+        brdf_views(case),
         *neighbours,
     )
 
@@ -140,8 +143,26 @@ def _render_view(render: Render) -> RenderView:
         sum(value for _, value in phases) if phases else None,
         tuple(objects(mapping(render.facts, "uncertainty"), "terms")),
         tuple(program_files(render)),
-        {key: value for key, value in mapping(render.facts, "image").items() if key != "digest"},
+        {key: value for key, value in mapping(render.facts, "image").items() if key != "digest"} | _luminance(render),
     )
+
+
+def _luminance(render: Render) -> dict[str, str]:
+    """Of the picture, in words."""
+    told = mapping(render.facts, "luminance")
+    values = {name: value for name in ("min", "mean", "max") if (value := number(told, name)) is not None}
+    return {"luminance, cd/m²": ", ".join(f"{name} {value:.5g}" for name, value in values.items())} if values else {}
+
+
+def _photometry(case: CaseRecord) -> dict[str, Any] | None:
+    """How the bands weigh in luminance, lm/W, and in words; None where the results do not say."""
+    told = mapping(case.facts, "photometry")
+    weights, k_m = numbers(told, "luminance_weights"), number(told, "k_m")
+    if len(weights) != 3 or not k_m:
+        return None
+    sum_of_bands = " + ".join(f"{weight:.5g} {band}" for weight, band in zip(weights, "RGB", strict=True))
+    words_of_it = f"{sum_of_bands} cd/m²; {text(told, 'bands')}; K_m = {text(told, 'k_m_text')}"
+    return {"weights": weights, "kM": k_m, "words": words_of_it}
 
 
 def _config(case: CaseRecord, pairs: list[Pair], links: Links, packed: Mapping[str, Any], stops: float) -> dict[str, Any]:
@@ -159,6 +180,7 @@ def _config(case: CaseRecord, pairs: list[Pair], links: Links, packed: Mapping[s
     )
     return {
         "case": case.name,
+        "photometry": _photometry(case),
         "width": count(case.facts, "width"),
         "height": count(case.facts, "height"),
         "truth": case.truth,

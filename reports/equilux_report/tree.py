@@ -89,6 +89,8 @@ class CaseRecord:
     facts: Facts
     renders: Mapping[str, Render]
     pairs: tuple[Pair, ...]
+    materials: Facts = field(default_factory=dict)
+    """What materials.json says; empty where there is none."""
 
     @property
     def scene(self) -> str:
@@ -163,7 +165,8 @@ class _Reader:
             )
             if renders[adapter].status in HAS_PIXELS and renders[adapter].image is None:
                 self.problems.append(Problem(f"cases/{name}/{adapter}/image.exr", "is missing"))
-        return CaseRecord(name, facts, renders, tuple(self.pairs(name, folder / "pairs", facts)))
+        materials = self.json(folder / "materials.json", required=False)
+        return CaseRecord(name, facts, renders, tuple(self.pairs(name, folder / "pairs", facts)), materials)
 
     def pairs(self, case: str, folder: Path, facts: Facts) -> list[Pair]:
         told = {(text(item, "a"), text(item, "b")): item for item in objects(facts, "pairs")}

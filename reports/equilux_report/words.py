@@ -152,6 +152,9 @@ def render_sentence(render: Render) -> str:
     """Why a render gave no image (or a bad one), in one sentence."""
     told, missing = text(render.facts, "reason"), [str(item) for item in items(render.facts, "missing_features")]
     if render.status == "unsupported":
+        models = [feature for feature in missing if feature.startswith("model.")]
+        if models:  # whoever does not do the model does nothing of the scene
+            return f"{render.adapter} does not do {listed(models)}."
         what = (
             f"{render.adapter} does not support {listed(missing)}" if missing else f"{render.adapter} does not support this case"
         )

@@ -8,7 +8,7 @@ eq.Inspector = class {
     this.rows = new Map();
     const body = root.querySelector("[data-inspect=radiance] tbody");
     for (const source of viewer.renders) {
-      const cells = [...BANDS, "en"].map((band) => eq.element("td", { "data-value": `${source.name}.${band}` }));
+      const cells = [...BANDS, "lum", "en"].map((band) => eq.element("td", { "data-value": `${source.name}.${band}` }));
       const star = source.name === viewer.config.truth ? eq.icon("truth") : "";
       body.append(eq.element("tr", {}, eq.element("th", { scope: "row" }, source.name, star), ...cells));
       this.rows.set(source.name, cells);
@@ -38,12 +38,13 @@ eq.Inspector = class {
     const cells = this.rows.get(source.name);
     const values = read(source.picture, "", x, y);
     BANDS.forEach((_, k) => write(cells[k], values ? eq.float32Text(values[k]) : "–"));
+    write(cells[3], values && this.viewer.config.photometry ? eq.short(eq.luminanceOf(values), 4) : "–");
     const pair = this.viewer.pairs.find((item) => item.a === source.name && item.b === this.viewer.config.truth);
     const en = read(pair?.picture, "en.", x, y);
     const code = pair?.picture && inside(pair.picture, x, y) ? pair.picture.planes.class[y * pair.picture.width + x] : null;
     const name = eq.CLASSES[code];
-    cells[3].className = name ? `class--${name}` : "";
-    write(cells[3], en ? eq.short(largest(en)) : "", name);
+    cells[4].className = name ? `class--${name}` : "";
+    write(cells[4], en ? eq.short(largest(en)) : "", name);
   }
 
   drawPair(source, x, y) {

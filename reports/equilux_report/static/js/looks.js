@@ -1,7 +1,16 @@
 // A look says how float planes become colours. Each has a key (same key: same pixels), a colour per pixel (or a loop that fills them
 // all), and a legend.
 const BANDS = ["R", "G", "B"];
-const LUMINANCE = [0.2126, 0.7152, 0.0722]; // Rec. 709
+
+// How the bands weigh in luminance: set by the viewer from what the results say of the case; without that Rec.709, and no cd/m².
+// shares add up to what K_m multiplies, so that exposures keep their meaning when the luminance is looked at.
+eq.luminance = { shares: [0.2126, 0.7152, 0.0722], kM: 1, unit: "W/(m²·sr), weighted as luminance" };
+eq.useLuminance = (photometry) => {
+  if (!photometry) return;
+  const { weights, kM } = photometry;
+  eq.luminance = { shares: weights.map((weight) => weight / kM), kM, unit: "cd/m²" };
+};
+eq.luminanceOf = ([r, g, b]) => eq.luminance.kM * (eq.luminance.shares[0] * r + eq.luminance.shares[1] * g + eq.luminance.shares[2] * b);
 
 const firstOdd = (values) => values.find((value) => !Number.isFinite(value));
 
@@ -9,7 +18,8 @@ const firstOdd = (values) => values.find((value) => !Number.isFinite(value));
 const scalar = (planes, prefix, band, signed) => {
   const [r, g, b] = BANDS.map((name) => planes[prefix + name]);
   if (BANDS.includes(band)) return (i) => planes[prefix + band][i];
-  if (!signed || band === "lum") return (i) => LUMINANCE[0] * r[i] + LUMINANCE[1] * g[i] + LUMINANCE[2] * b[i];
+  const [sr, sg, sb] = eq.luminance.shares;
+  if (!signed || band === "lum") return (i) => sr * r[i] + sg * g[i] + sb * b[i];
   return (i) => {
     const odd = firstOdd([r[i], g[i], b[i]]);
     if (odd !== undefined) return odd;
@@ -45,21 +55,24 @@ const DECADES = 5;
 const falseColour = ({ ev, band, map }) => {
   const white = 2 ** -ev;
   const isLog = map === "log";
+  const isBand = BANDS.includes(band);
+  const unit = isBand ? `${band}, W/(m²·sr)` : `luminance, ${eq.luminance.unit}`;
+  const told = isBand ? 1 : eq.luminance.kM;
   const at = isLog ? (v) => (v > 0 ? 1 + Math.log10(v / white) / DECADES : 0) : (v) => v / white;
-  const ticks = isLog ? [0, 1, 2, 3, 4, 5].map((k) => ({ at: k / DECADES, text: eq.short(white * 10 ** (k - DECADES), 2) }))
-    : [0, 0.25, 0.5, 0.75, 1].map((t) => ({ at: t, text: eq.short(white * t) }));
+  const ticks = isLog ? [0, 1, 2, 3, 4, 5].map((k) => ({ at: k / DECADES, text: eq.short(told * white * 10 ** (k - DECADES), 2) }))
+    : [0, 0.25, 0.5, 0.75, 1].map((t) => ({ at: t, text: eq.short(told * white * t) }));
   return {
     key: `${map} ${ev} ${band}`,
     pixel(planes) { const value = scalar(planes, "", band, false); return (i) => mapped(value(i), (v) => eq.sequentialAt(at(v))); },
-    legend: { colour: eq.sequentialAt, from: 0, ticks, unit: `${band === "rgb" ? "luminance" : band}, W/(m²·sr)` },
+    legend: { colour: eq.sequentialAt, from: 0, ticks, unit },
   };
 };
 
 const difference = ({ band }, scale) => ({
   key: `difference ${scale} ${band}`,
   pixel(planes) { const value = scalar(planes, "", band, true); return (i) => mapped(value(i), (v) => eq.divergingAt(v / scale)); },
-  legend: { colour: eq.divergingAt, from: -1, ticks: [-1, -0.5, 0, 0.5, 1].map((t) => ({ at: (t + 1) / 2, text: eq.short(t * scale), isMinor: Math.abs(t) === 0.5 })),
-    unit: `a − b${band === "rgb" ? ", largest band" : band === "lum" ? ", luminance" : `, ${band}`}, W/(m²·sr)` },
+  legend: { colour: eq.divergingAt, from: -1, ticks: [-1, -0.5, 0, 0.5, 1].map((t) => ({ at: (t + 1) / 2, text: eq.short(t * scale * (band === "lum" ? eq.luminance.kM : 1)), isMinor: Math.abs(t) === 0.5 })),
+    unit: band === "lum" ? `a − b, luminance, ${eq.luminance.unit}` : `a − b, ${band === "rgb" ? "largest band" : band}, W/(m²·sr)` },
 });
 
 const HEAT_TICKS = [-1e4, -100, -1, 0, 1, 100, 1e4];

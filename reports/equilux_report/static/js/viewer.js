@@ -7,6 +7,7 @@ class Viewer extends HTMLElement {
   connectedCallback() {
     this.config = JSON.parse(this.querySelector("script[type='application/json']").textContent);
     if (!this.config.renders.length) return;
+    eq.useLuminance(this.config.photometry);
     this.stop = new AbortController();
     this.renders = this.config.renders.map((item) => ({ ...item, title: item.name }));
     this.pairs = this.config.pairs.map((item) => ({ ...item }));
