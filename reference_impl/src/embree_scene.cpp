@@ -6,6 +6,7 @@
 #include "placement.h"
 #include "search.h"
 #include "shapes/dispatch.h"
+#include "transport.h"
 
 namespace equilux {
 
@@ -81,6 +82,31 @@ void triangle_bounds_for_embree(const RTCBoundsFunctionArguments* args) {
   write_bounds(bounds_of_triangle(mesh, args->primID), mesh.world->embree_scale, *args->bounds_o);
 }
 
+// Boxes for rays from anywhere (ray.h). Scaled to [-1, 1]³ about the scene's middle, a ray starts within 3 of it. Rounding its origin and
+// its direction to float moves its points by ≤ 2^-24 (3 + 5); the slab test adds a few 2^-23 of bound and origin, below 2^-19 in all, and
+// the double arithmetic of bounds and origin 2^-48 of their distance from the eye. 2^-16 and that is more than all of them together.
+constexpr double transport_padding = 0x1p-16;
+
+void write_transport_bounds(const Bounds& bounds, const TransportBoxes& boxes, RTCBounds& out) {
+  float* const lower[3] = {&out.lower_x, &out.lower_y, &out.lower_z};
+  float* const upper[3] = {&out.upper_x, &out.upper_y, &out.upper_z};
+  const double centre[3] = {boxes.centre.x, boxes.centre.y, boxes.centre.z};
+  for (int k = 0; k < 3; ++k) {
+    *lower[k] = static_cast<float>((bounds.lower[k] - centre[k]) * boxes.scale - boxes.padding);
+    *upper[k] = static_cast<float>((bounds.upper[k] - centre[k]) * boxes.scale + boxes.padding);
+  }
+}
+
+void object_bounds_for_transport(const RTCBoundsFunctionArguments* args) {
+  const World& world = *static_cast<const World*>(args->geometryUserPtr);
+  write_transport_bounds(bounds_of_object(world, world.bounded[args->primID]), world.transport, *args->bounds_o);
+}
+
+void triangle_bounds_for_transport(const RTCBoundsFunctionArguments* args) {
+  const MeshObject& mesh = *static_cast<const MeshObject*>(args->geometryUserPtr);
+  write_transport_bounds(bounds_of_triangle(mesh, args->primID), mesh.world->transport, *args->bounds_o);
+}
+
 // --- building ---------------------------------------------------------------------------------------------------------
 
 double largest_extent(const World& world) {
@@ -106,10 +132,59 @@ void attach(RTCScene scene, void* user, std::size_t count, RTCBoundsFunction bou
 
 }  // namespace
 
+namespace {
+
+Bounds bounds_of_world(const World& world) {
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  Bounds all{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
+  const auto include = [&all](const double (&lower)[3], const double (&upper)[3]) {
+    for (int k = 0; k < 3; ++k) {
+      all.lower[k] = std::min(all.lower[k], lower[k]);
+      all.upper[k] = std::max(all.upper[k], upper[k]);
+    }
+  };
+  for (const int index : world.bounded) {
+    const Bounds bounds = bounds_of_object(world, index);
+    include(bounds.lower, bounds.upper);
+  }
+  for (const MeshObject& mesh : world.meshes) {
+    for (const CameraPoint& v : mesh.vertices) include({v.x, v.y, v.z}, {v.x, v.y, v.z});
+  }
+  return all;
+}
+
+void commit(RTCScene scene) {
+  rtcCommitScene(scene);
+  const RTCError error = rtcGetDeviceError(shared_device());
+  if (error != RTC_ERROR_NONE) throw TracerError("Embree could not build the scene: error " + std::to_string(error));
+}
+
+bool nothing_bounded(const World& world) {
+  return world.bounded.empty() && std::all_of(world.meshes.begin(), world.meshes.end(),
+                                              [](const MeshObject& mesh) { return mesh.given->faces.empty(); });
+}
+
+}  // namespace
+
+void World::build_transport_boxes() {
+  if (nothing_bounded(*this)) return;
+  const Bounds all = bounds_of_world(*this);
+  double half = 0;
+  for (int k = 0; k < 3; ++k) half = std::max(half, 0.5 * (all.upper[k] - all.lower[k]));
+  transport.centre = {0.5 * (all.lower[0] + all.upper[0]), 0.5 * (all.lower[1] + all.upper[1]), 0.5 * (all.lower[2] + all.upper[2])};
+  transport.scale = half > 0 ? std::ldexp(1.0, -std::ilogb(half) - 1) : 1;
+  transport.padding = transport_padding + 0x1p-48 * transport.scale * extent(all);
+  transport.embree = rtcNewScene(shared_device());
+  rtcSetSceneFlags(transport.embree, RTC_SCENE_FLAG_ROBUST);
+  attach(transport.embree, this, bounded.size(), object_bounds_for_transport, transport_objects);
+  for (MeshObject& mesh : meshes) {
+    attach(transport.embree, &mesh, mesh.given->faces.size(), triangle_bounds_for_transport, transport_mesh);
+  }
+  commit(transport.embree);
+}
+
 void World::build_embree() {
-  std::size_t triangles = 0;
-  for (const MeshObject& mesh : meshes) triangles += mesh.given->faces.size();
-  if (bounded.empty() && triangles == 0) return;
+  if (nothing_bounded(*this)) return;
 
   const double largest = largest_extent(*this);
   embree_scale = largest > 0 ? std::ldexp(1.0, -std::ilogb(largest)) : 1;
@@ -119,9 +194,7 @@ void World::build_embree() {
   for (MeshObject& mesh : meshes) {
     attach(embree, &mesh, mesh.given->faces.size(), triangle_bounds_for_embree, intersect_mesh);
   }
-  rtcCommitScene(embree);
-  const RTCError error = rtcGetDeviceError(shared_device());
-  if (error != RTC_ERROR_NONE) throw TracerError("Embree could not build the scene: error " + std::to_string(error));
+  commit(embree);
 }
 
 }  // namespace equilux

@@ -24,13 +24,16 @@ struct Pool {
   std::exception_ptr failure;
 };
 
-void work_through(Pool& pool, std::size_t count, const Cancel* cancel, const std::function<void(std::size_t, std::size_t)>& work) {
+using Work = std::function<void(std::size_t, std::size_t, const Stopped&)>;
+
+void work_through(Pool& pool, std::size_t count, const Cancel* cancel, const Work& work) {
+  const Stopped stopped = [&] { return pool.stop.load(std::memory_order_relaxed) || (cancel != nullptr && cancel->cancelled()); };
   try {
     while (!pool.stop.load(std::memory_order_relaxed)) {
       if (cancel != nullptr && cancel->cancelled()) pool.stop = true;
       const std::size_t begin = pool.next.fetch_add(chunk_size);
       if (begin >= count || pool.stop) break;
-      work(begin, std::min(begin + chunk_size, count));
+      work(begin, std::min(begin + chunk_size, count), stopped);
     }
   } catch (...) {
     const std::lock_guard lock(pool.mutex);
@@ -45,15 +48,17 @@ void work_through(Pool& pool, std::size_t count, const Cancel* cancel, const std
 }  // namespace
 
 bool for_each_chunk(std::size_t count, int threads, const Cancel* cancel, const Interrupted& interrupted,
-                    const std::function<void(std::size_t, std::size_t)>& work) {
+                    const Work& work) {
   const std::size_t chunks = (count + chunk_size - 1) / chunk_size;
   const std::size_t cores = threads > 0 ? static_cast<std::size_t>(threads) : std::max(1u, std::thread::hardware_concurrency());
   const std::size_t workers = std::min(cores, chunks);
   const auto stopped = [cancel] { return cancel != nullptr && cancel->cancelled(); };
 
   if (chunks <= 1) {  // a handful of samples is done before a thread would have started
-    if (!stopped() && count > 0) work(0, count);
-    return !stopped();
+    bool interrupt = false;  // the thread that may ask Python is this one
+    const Stopped given_up = [&] { return interrupt = interrupt || stopped() || (interrupted && interrupted()); };
+    if (!stopped() && count > 0) work(0, count, given_up);
+    return !interrupt && !stopped();
   }
 
   Pool pool;

@@ -20,9 +20,19 @@ class Cancel {
 // The caller's wish to stop that is not a Cancel: a pending KeyboardInterrupt. Asked about twenty times a second, on the calling thread.
 using Interrupted = std::function<bool()>;
 
-// Calls work(begin, end) for chunks of [0, count) on `threads` threads (0: one per core). Returns false if cancelled or interrupted before
+// Asked now and then by work that may take long over one sample: true if it is to give up.
+using Stopped = std::function<bool()>;
+
+// Calls work(begin, end, stopped) for chunks of [0, count) on `threads` threads (0: one per core). Returns false if cancelled or interrupted before
 // the end. The first exception that work throws is thrown again here.
 bool for_each_chunk(std::size_t count, int threads, const Cancel* cancel, const Interrupted& interrupted,
-                    const std::function<void(std::size_t, std::size_t)>& work);
+                    const std::function<void(std::size_t, std::size_t, const Stopped&)>& work);
+
+// The same for work(begin, end) that is never long over a sample.
+inline bool for_each_chunk(std::size_t count, int threads, const Cancel* cancel, const Interrupted& interrupted,
+                           const std::function<void(std::size_t, std::size_t)>& work) {
+  return for_each_chunk(count, threads, cancel, interrupted,
+                        [&work](std::size_t begin, std::size_t end, const Stopped&) { work(begin, end); });
+}
 
 }  // namespace equilux

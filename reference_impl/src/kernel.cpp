@@ -10,7 +10,7 @@ bool render(const World& world, const Samples& samples, const Outputs& outputs, 
     case Model::opengl:
       return render_opengl(world, samples, outputs, threads, cancel, interrupted);
     case Model::raytraced:
-      throw TracerError("model raytraced: not in this version");
+      return render_raytraced(world, samples, outputs, threads, cancel, interrupted);
     case Model::reflection_equation:
       throw TracerError("model reflection-equation: not in this version");
   }

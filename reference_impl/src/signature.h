@@ -13,12 +13,16 @@ constexpr std::uint64_t signature_of_a_miss = 0;
 // 0 with a jump or infinitely steep, on the lit side of R·V = 0.
 class Signature {
  public:
-  explicit Signature(const SurfacePoint& point) {
+  Signature() = default;
+  explicit Signature(const SurfacePoint& point) { add_surface(point); }
+  void add_light(bool in_front, bool in_cone, bool mirrored) { mix((in_front ? 1 : 0) + (in_cone ? 2 : 0) + (mirrored ? 4 : 0)); }
+  // Model raytraced: whatever else tells one path from another.
+  void add(std::uint64_t what) { mix(what); }
+  void add_surface(const SurfacePoint& point) {
     mix(static_cast<std::uint64_t>(point.object));
     mix(static_cast<std::uint64_t>(point.face));
     mix(point.outside ? 1 : 2);
   }
-  void add_light(bool in_front, bool in_cone, bool mirrored) { mix((in_front ? 1 : 0) + (in_cone ? 2 : 0) + (mirrored ? 4 : 0)); }
   std::uint64_t value() const { return state_ == signature_of_a_miss ? 1 : state_; }
 
  private:

@@ -1,6 +1,7 @@
 #include "surface.h"
 
 #include "shapes/dispatch.h"
+#include "transport.h"
 
 namespace equilux {
 namespace {
@@ -23,6 +24,7 @@ void shade_mesh_point(const World& world, const Candidate& hit, SurfacePoint& po
   point.face = smooth ? 0 : static_cast<int>(hit.triangle);
   point.outside = to_double(dot(triangle.normal, point.to_viewer)) > 0;
   const Vec3dd geometric = point.outside ? triangle.normal : -triangle.normal;  // Ng, on the viewer's side
+  point.geometric = to_double(geometric);
   Vec3dd normal = geometric;
   if (smooth) {
     const Matrix3<DoubleDouble>& back = world.objects[static_cast<std::size_t>(hit.object)].to_canonical_linear;
@@ -33,14 +35,14 @@ void shade_mesh_point(const World& world, const Candidate& hit, SurfacePoint& po
   point.normal = direction_of(normal);
 }
 
-void shade_object_point(const World& world, const FilmRay& ray, const Candidate& hit, SurfacePoint& point) {
+void shade_object_point(const World& world, const LocalRay<DoubleDouble>& local, const Candidate& hit, SurfacePoint& point) {
   const Object& object = world.objects[static_cast<std::size_t>(hit.object)];
-  const LocalRay<DoubleDouble> local = local_ray(object.exact, ray.x, ray.y, world.camera.perspective());
   point.face = hit.face / 2;
   const Vec3dd canonical = canonical_normal(object.solid, local.o + local.d * point.s, point.face);
   const Vec3dd outward = transposed_times(object.to_canonical_linear, canonical);
   point.outside = to_double(dot(canonical, local.d)) < 0;
   point.normal = direction_of(point.outside ? outward : -outward);
+  point.geometric = to_double(point.normal);
 }
 
 }  // namespace
@@ -48,16 +50,39 @@ void shade_object_point(const World& world, const FilmRay& ray, const Candidate&
 SurfacePoint surface_point(const World& world, const FilmRay& ray, const Candidate& hit) {
   SurfacePoint point;
   point.object = hit.object;
+  point.mesh = hit.mesh;
+  point.triangle = hit.triangle;
   point.s = exact_depth(world, ray, hit);
   const Vec3dd d = world.camera.direction(ray);
   const DoubleDouble d_length = length(d);
-  point.position = world.camera.origin(ray) + d * point.s;
+  const Vec3dd origin = world.camera.origin(ray);
+  point.position = origin + d * point.s;
   point.to_viewer = -(d * (DoubleDouble(1.0) / d_length));
   point.distance = to_double(point.s * d_length);
+  point.position_size = length(to_double(origin)) + point.distance;
   if (hit.mesh >= 0) {
     shade_mesh_point(world, hit, point);
   } else {
-    shade_object_point(world, ray, hit, point);
+    const Object& object = world.objects[static_cast<std::size_t>(hit.object)];
+    shade_object_point(world, local_ray(object.exact, ray.x, ray.y, world.camera.perspective()), hit, point);
+  }
+  return point;
+}
+
+SurfacePoint surface_point(const World& world, const Ray& ray, const Candidate& hit) {
+  SurfacePoint point;
+  point.object = hit.object;
+  point.mesh = hit.mesh;
+  point.triangle = hit.triangle;
+  point.s = exact_distance(world, ray, hit);
+  point.distance = to_double(point.s);
+  point.position = ray.origin + ray.direction * point.s;
+  point.to_viewer = -ray.direction;
+  point.position_size = length(ray.origin_rounded) + point.distance;
+  if (hit.mesh >= 0) {
+    shade_mesh_point(world, hit, point);
+  } else {
+    shade_object_point(world, world.objects[static_cast<std::size_t>(hit.object)].canonical.exact(ray), hit, point);
   }
   return point;
 }

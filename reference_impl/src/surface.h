@@ -15,8 +15,14 @@ struct SurfacePoint {
   Vec3dd position;
   Vec3dd normal;               // N, unit, on the viewer's side
   Vec3dd to_viewer;            // V, unit
+  // For the rays that leave this point
+  int mesh = -1;               // index into World::meshes, or −1
+  std::uint32_t triangle = 0;
+  Vec3d geometric;             // Ng, not unit, on the viewer's side
+  double position_size = 0;    // the lengths that were added up to find the position
 };
 
 SurfacePoint surface_point(const World& world, const FilmRay& ray, const Candidate& hit);
+SurfacePoint surface_point(const World& world, const Ray& ray, const Candidate& hit);  // s: metres along the ray
 
 }  // namespace equilux

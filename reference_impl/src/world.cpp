@@ -51,11 +51,14 @@ World::World(SceneDescription scene) : description(std::move(scene)), camera(des
   objects.resize(description.objects.size());
   for (std::size_t i = 0; i < objects.size(); ++i) place_object(static_cast<int>(i));
   prepare_lights();
+  find_features();
   build_embree();
+  if (description.model == Model::raytraced || description.model == Model::reflection_equation) build_transport_boxes();
 }
 
 World::~World() {
   if (embree != nullptr) rtcReleaseScene(embree);
+  if (transport.embree != nullptr) rtcReleaseScene(transport.embree);
 }
 
 void World::place_object(int index) {
@@ -73,6 +76,7 @@ void World::place_object(int index) {
   const Matrix3<DoubleDouble>& back = object.to_canonical_linear;
   object.exact = {-(back * placement.origin), back * camera.right, back * camera.up, back * camera.forward};
   object.rounded = rounded(object.exact);
+  object.canonical = CanonicalFrame(back, object.exact.eye);
   (object.solid == Solid::plane ? unbounded : bounded).push_back(index);
 }
 
@@ -117,10 +121,18 @@ void World::prepare_lights() {
     }
     lights.push_back(light);
   }
-  for (const ObjectDescription& object : description.objects) {
-    features.specular |= description.materials[static_cast<std::size_t>(object.material)].specular.any();
+}
+
+void World::find_features() {
+  bool flat = true;
+  for (std::size_t i = 0; i < objects.size(); ++i) {
+    const MaterialDescription& material = material_of(*this, static_cast<int>(i));
+    features.specular |= material.specular.any() && !lights.empty();
+    features.transparency |= material.transparency > 0;
+    features.reflection |= material.reflection.any() && material.transparency < 1 && description.recursion_limit > 0;
+    flat &= objects[i].solid == Solid::plane || objects[i].solid == Solid::disc || objects[i].solid == Solid::rectangle;
   }
-  features.specular &= !lights.empty();
+  features.occlusion = !lights.empty() && !(flat && objects.size() <= 1);
 }
 
 }  // namespace equilux

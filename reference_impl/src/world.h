@@ -6,6 +6,7 @@
 
 #include "affine.h"
 #include "embree_shim.h"
+#include "ray.h"
 #include "scene_description.h"
 #include "shapes/triangle.h"
 
@@ -20,6 +21,16 @@ struct Object {
   Matrix3<DoubleDouble> to_canonical_linear;  // inverse of the placement's linear part; its transpose carries normals to the world
   RayFrame<DoubleDouble> exact;
   RayFrame<double> rounded;
+  CanonicalFrame canonical;  // for rays that do not start at the eye
+};
+
+// The boxes that rays from anywhere are sent through, in the camera's frame, moved and scaled so that they fill [-1, 1]³. The camera's own
+// boxes (World::embree) are padded by what rounding does to rays from the eye, these by what it does to all others.
+struct TransportBoxes {
+  RTCScene embree = nullptr;  // null: nothing is bounded, or the model has no such rays
+  Vec3d centre;               // metres, in the camera's frame
+  double scale = 1;           // power of two
+  double padding = 0;         // in scaled units
 };
 
 class World;
@@ -52,6 +63,10 @@ struct Light {
 struct Features {
   bool specular = false;
   bool spot = false;
+  // raytraced
+  bool occlusion = false;     // something may stand between a light and a surface
+  bool reflection = false;
+  bool transparency = false;
 };
 
 // Built once, read-only afterwards: any number of threads may trace it.
@@ -72,13 +87,16 @@ class World {
   Features features;
   RTCScene embree = nullptr;   // null when nothing is bounded
   double embree_scale = 1;     // power of two: metres → Embree's units
+  TransportBoxes transport;
   double eye_size = 0;         // largest |coordinate| of the eye: the rounding of the spec's own numbers is relative to it
 
  private:
   void place_object(int index);
   void place_mesh(int index, const Placement& placement);
   void prepare_lights();
+  void find_features();
   void build_embree();
+  void build_transport_boxes();
 };
 
 inline const MaterialDescription& material_of(const World& world, int object) {

@@ -34,23 +34,54 @@ struct TriangleRay {
   }
 };
 
+// The same for a ray that starts anywhere, in the camera's frame: the axis along which it runs furthest takes the place of `forward`, so
+// that depths are s itself, metres along the unit direction.
+struct AnywhereTriangleRay {
+  double o[3], shear_x = 0, shear_y = 0, reciprocal = 1;
+  int kx = 0, ky = 1, kz = 2;
+
+  AnywhereTriangleRay() = default;
+  AnywhereTriangleRay(const Vec3d& origin, const Vec3d& direction) : o{origin.x, origin.y, origin.z} {
+    const double d[3] = {direction.x, direction.y, direction.z};
+    kz = std::fabs(d[0]) > std::fabs(d[1]) ? 0 : 1;
+    if (std::fabs(d[2]) >= std::fabs(d[kz])) kz = 2;
+    kx = (kz + 1) % 3;
+    ky = (kz + 2) % 3;
+    reciprocal = 1 / d[kz];
+    shear_x = d[kx] * reciprocal;
+    shear_y = d[ky] * reciprocal;
+  }
+
+  CameraPoint project(const CameraPoint& v) const {
+    const double p[3] = {v.x - o[0], v.y - o[1], v.z - o[2]};
+    return {p[kx] - shear_x * p[kz], p[ky] - shear_y * p[kz], p[kz] * reciprocal};
+  }
+  double size(const CameraPoint& v) const {  // |shear| ≤ 1, |reciprocal| < 2
+    return 4 * std::max({std::fabs(v.x), std::fabs(v.y), std::fabs(v.z), std::fabs(o[0]), std::fabs(o[1]), std::fabs(o[2])});
+  }
+};
+
+// `face` of a triangle's crossing is made of these. on_border: neighbours may claim it too, because the ray meets an edge or a vertex to
+// the last digit. winds_forward: the same for all triangles that one ray meets from the same side.
+constexpr int triangle_on_border = 1, triangle_winds_forward = 2;
+
 // False: no crossing. s, the depth, comes with a bound of its error and stays between the depths of the vertices, also for a triangle
 // that is seen almost edge-on.
-inline bool cross_triangle(const TriangleRay& ray, const CameraPoint& a, const CameraPoint& b, const CameraPoint& c,
-                           Crossing<double>& out) {
+template <class AnyRay>
+bool cross_triangle(const AnyRay& ray, const CameraPoint& a, const CameraPoint& b, const CameraPoint& c, Crossing<double>& out) {
   const CameraPoint p = ray.project(a), q = ray.project(b), r = ray.project(c);
   const auto edge = [](const CameraPoint& from, const CameraPoint& to) { return from.x * to.y - from.y * to.x; };
   const double u = edge(q, r), v = edge(r, p), w = edge(p, q);
   if ((u < 0 || v < 0 || w < 0) && (u > 0 || v > 0 || w > 0)) return false;
   const double area = u + v + w;
   if (area == 0) return false;  // edge-on: its neighbours cover the ray
-  const auto [near, far] = std::minmax({a.z, b.z, c.z});
-  out.s = std::clamp((u * a.z + v * b.z + w * c.z) / area, near, far);
+  const auto [near, far] = std::minmax({p.z, q.z, r.z});
+  out.s = std::clamp((u * p.z + v * q.z + w * r.z) / area, near, far);
   // A vertex displaced by η moves the plane along the ray by η (1 + slope); the slope is at most depth range × extent / area.
   const double extent = std::max({std::fabs(p.x), std::fabs(p.y), std::fabs(q.x), std::fabs(q.y), std::fabs(r.x), std::fabs(r.y)});
   const double moved = rounding<double> * std::max({ray.size(a), ray.size(b), ray.size(c)});
   out.error = moved + std::min(far - near, moved * 4 * (far - near) * extent / std::fabs(area));
-  out.face = 0;
+  out.face = (u == 0 || v == 0 || w == 0 ? triangle_on_border : 0) + (area > 0 ? triangle_winds_forward : 0);
   return true;
 }
 

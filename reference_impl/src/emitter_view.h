@@ -1,0 +1,48 @@
+// An emitter as one surface point sees it: which pencil of half-planes suits it, and what each of them sees of it.
+#pragma once
+
+#include "quadrature.h"
+#include "scan.h"
+#include "scene_description.h"
+
+namespace equilux {
+
+// Coordinates relative to the shaded point.
+//   sphere:      half-planes about the direction to the centre; θ from 0 to the rim of the cone of directions
+//   disc:        the same; θ from 0 to where the half-plane leaves the disc
+//   rectangle:   half-planes that contain edge_u's direction: each sees a segment across the rectangle, parallel to edge_u
+//   environment: half-planes about a given axis; θ from 0 to π
+struct EmitterView {
+  enum class Kind { sphere, disc, rectangle, environment };
+
+  Kind kind = Kind::environment;
+  Pencil pencil;
+  double first = -pi, last = pi;  // azimuths
+  Vec3d centre;                   // sphere, disc; any point of the rectangle
+  Vec3d normal;                   // disc, rectangle: unit, towards the shaded point's side
+  double height = 0;              // distance of the shaded point from the plane of disc or rectangle, > 0
+  double radius = 0, cone = 0;    // sphere; cone: half-angle
+  Vec3d corner[4];                // rectangle
+  double u_low = 0, u_high = 0;   // rectangle: along edge_u
+  double half_angle = pi;         // of a cone about `towards` that contains the emitter
+  Vec3d towards;
+
+  bool flat() const { return kind == Kind::disc || kind == Kind::rectangle; }
+  bool round_about() const { return kind != Kind::rectangle; }  // azimuths go full circle
+
+  Stretch stretch(const HalfPlane& plane) const;
+
+  // Distance along the unit direction ω to the emitter's surface, for a direction that meets it. Infinite for the environment.
+  double distance(const Vec3d& direction) const;
+
+  // Azimuths where the great circle m·ω = 0 crosses the emitter's outline.
+  void crossings_with(const Vec3d& m, std::vector<Breakpoint>& out) const;
+};
+
+// False: the point gets nothing from it (behind it, in its plane, or inside the sphere).
+bool view_of_sphere(const Vec3d& centre, double radius, const Vec3d& zero, EmitterView& view);
+bool view_of_disc(const Vec3d& centre, const Vec3d& normal, double radius, const Vec3d& zero, EmitterView& view);
+bool view_of_rectangle(const Vec3d& corner, const Vec3d& edge_u, const Vec3d& edge_v, EmitterView& view);
+void view_of_environment(const Vec3d& axis, const Vec3d& zero, EmitterView& view);
+
+}  // namespace equilux

@@ -1,0 +1,59 @@
+// The ray-traced lighting model at one surface point (lighting_model.md §3 `raytraced`):
+//
+//     L_1 = Σ_{N·L_i > 0} E_i τ_i (K_diff (N·L_i) + K_spec max(0, R_i·V)^p) + k_refl  L_refl
+//     L_2 = Σ_{N·L_i < 0} E_i τ_i (K_diff |N·L_i| + K_spec max(0, T_i·V)^p) + k_trans L_trans
+//     L   = K_emit + K_amb L_amb + (1 − t) L_1 + t L_2
+//
+// This file has the directions and the local terms; the kernel follows L_refl and L_trans.
+//
+// Where the digits go, besides phong.h: R, T and every secondary ray are computed in double-double, T_i·V is then as good as R·V. τ of n
+// crossings has 2n factors, (1 − t) and t one: (2n + 2) u. A secondary ray's weight gains three factors per bounce, 4 u; sums over h hits
+// add h u of the whole.
+#pragma once
+
+#include "phong.h"
+#include "transport.h"
+
+namespace equilux {
+
+// The mirrored direction of V about N, unit.
+inline Vec3dd mirrored_about(const Vec3dd& normal, const Vec3dd& v) {
+  return direction_of(normal * (dot(normal, v) * 2.0) - v);
+}
+
+// The way that the direction d, unit, takes through the surface with normal N from a medium of index `from` into one of index `into`:
+// with η = from/into, c = N·d, s² = η²(1 − c²): η d + (± √(1 − s²) − η c) N, ± the sign of c, so that it goes on to the side that d
+// pointed to. False: total reflection, s² > 1; rounding counts as 1. cosine: √(1 − s²).
+inline bool refracted(const Vec3dd& d, const Vec3dd& normal, double from, double into, Vec3dd& out, double& cosine) {
+  const DoubleDouble c = dot(normal, d);
+  if (from == into) {
+    out = d;
+    cosine = std::fabs(to_double(c));
+    return true;
+  }
+  const DoubleDouble ratio = DoubleDouble(from) / DoubleDouble(into);
+  const DoubleDouble rest = DoubleDouble(1.0) - ratio * ratio * (DoubleDouble(1.0) - c * c);
+  if (to_double(rest) < -exact_zero) return false;
+  const DoubleDouble root = square_root(rest);
+  out = direction_of(d * ratio + normal * ((to_double(c) < 0 ? -root : root) - ratio * c));
+  cosine = to_double(root);
+  return true;
+}
+
+// The indices on N's side and behind it: 1 outside the object that was hit, ior inside.
+inline double index_in_front(const SurfacePoint& point, const MaterialDescription& material) { return point.outside ? 1 : material.ior; }
+inline double index_behind(const SurfacePoint& point, const MaterialDescription& material) { return point.outside ? material.ior : 1; }
+
+// max(0, T·V)^p of a light behind the surface; T is the way its light takes to the viewer's side. total: there is none.
+inline double transmitted_highlight(const SurfacePoint& point, const Vec3d& to_viewer, const Arriving& arriving,
+                                    const MaterialDescription& material, bool& total) {
+  Vec3dd transmitted;
+  double cosine;
+  total = !refracted(-unit(arriving.toward), point.normal, index_behind(point, material), index_in_front(point, material), transmitted,
+                     cosine);
+  if (total) return 0;
+  return power_of_cosine(to_double(transmitted), to_viewer, material.exponent,
+                         [&] { return to_double(dot(transmitted, point.to_viewer)); });
+}
+
+}  // namespace equilux

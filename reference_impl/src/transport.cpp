@@ -1,0 +1,271 @@
+#include "transport.h"
+
+#include <algorithm>
+#include <limits>
+#include <tuple>
+#include <utility>
+
+#include "shapes/dispatch.h"
+
+namespace equilux {
+namespace {
+
+struct TransportContext : embree::QueryContextBase {
+  Traversal* traversal = nullptr;
+};
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+bool is_flat(Solid solid) { return solid == Solid::plane || solid == Solid::disc || solid == Solid::rectangle; }
+
+// Which crossings lie ahead. False: rounding leaves it open. The object that the ray leaves is crossed once at s = 0, to rounding.
+template <class R> bool decide_ahead(const Crossings<R>& all, bool own, double start, bool* ahead) {
+  bool certain = !all.uncertain;
+  int at_origin = 0;
+  for (int i = 0; i < all.count; ++i) {
+    const Sign sign = sign_within(all.at[i].s - R(own ? 0.0 : start), all.at[i].error);
+    ahead[i] = sign == Sign::positive;
+    if (sign == Sign::zero) {
+      ++at_origin;
+      certain &= own;
+    }
+  }
+  return certain && (!own || at_origin == 1);
+}
+
+}  // namespace
+
+Ray leaving(const World& world, const SurfacePoint& point, const Vec3dd& direction) {
+  Ray ray;
+  ray.origin = point.position;
+  ray.direction = direction;
+  ray.origin_size = point.position_size;
+  ray.origin_rounded = to_double(ray.origin);
+  ray.direction_rounded = to_double(ray.direction);
+  const double across = std::fabs(dot(ray.direction_rounded, point.geometric)) / length(point.geometric);
+  const double start = coincidence_m(world, ray, 0) / std::fmax(across, 0x1p-20);
+  ray.from = {point.object, point.mesh, point.triangle, start};
+  return ray;
+}
+
+double coincidence_m(const World& world, const Ray& ray, double s) {
+  return 0x1p-50 * (world.eye_size + length(ray.origin_rounded) + s);
+}
+
+// --- Embree -----------------------------------------------------------------------------------------------------------
+
+void Traversal::follow(const Ray& ray, Crossed& crossed) {
+  ray_ = &ray;
+  crossed_ = &crossed;
+  for (const int plane : world_.unbounded) try_object(plane);
+  if (world_.transport.embree != nullptr && crossed.reach() > 0) send_through_embree();
+}
+
+// The boxes fill [-1, 1]³. A ray that starts beyond 3 is brought to 2 before its middle, in double-double, because rounding to float would
+// move it by more than the boxes' padding.
+void Traversal::send_through_embree() {
+  const TransportBoxes& boxes = world_.transport;
+  const Camera& camera = world_.camera;
+  const auto in_camera = [&](const Vec3dd& v) { return Vec3dd{dot(camera.right, v), dot(camera.up, v), dot(camera.forward, v)}; };
+  const Vec3dd origin = in_camera(ray_->origin), direction = in_camera(ray_->direction);
+  origin_in_camera_ = to_double(origin);
+  direction_in_camera_ = to_double(direction);
+  if (!world_.meshes.empty()) triangle_ray_ = AnywhereTriangleRay(origin_in_camera_, direction_in_camera_);
+
+  Vec3dd start = (origin - exactly(boxes.centre)) * DoubleDouble(boxes.scale);
+  skipped_ = 0;
+  if (length(to_double(start)) > 3) {
+    const DoubleDouble to_middle = -dot(start, direction);
+    if (!(to_middle.hi > 2)) return;
+    start = start + direction * (to_middle - DoubleDouble(2.0));
+    if (length(to_double(start + direction * DoubleDouble(2.0))) > 2 + boxes.padding) return;
+    skipped_ = to_double(to_middle) - 2;
+  }
+  const Vec3d from = to_double(start);
+  RTCRayHit query{};
+  query.ray.org_x = static_cast<float>(from.x);
+  query.ray.org_y = static_cast<float>(from.y);
+  query.ray.org_z = static_cast<float>(from.z);
+  query.ray.dir_x = static_cast<float>(direction_in_camera_.x);
+  query.ray.dir_y = static_cast<float>(direction_in_camera_.y);
+  query.ray.dir_z = static_cast<float>(direction_in_camera_.z);
+  query.ray.tfar = reach_for_embree();
+  query.ray.mask = 0xffffffffu;
+  query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+  TransportContext context;
+  embree::initialise(context);
+  context.traversal = this;
+  embree::intersect(boxes.embree, context, query);
+}
+
+// Must not fall short of any crossing within reach. Distances to boxes carry a relative error of a few 2^-23, and `skipped` one of 2^-52.
+float Traversal::reach_for_embree() const {
+  const double reach = crossed_->reach();
+  if (reach < 0) return -1;
+  const double scaled = reach * world_.transport.scale;
+  const double ahead = (scaled - skipped_) * (1 + 0x1p-20) + 0x1p-48 * scaled + 0x1p-14;
+  return std::nextafter(static_cast<float>(std::min(ahead, 3e38)), std::numeric_limits<float>::infinity());
+}
+
+namespace {
+
+Traversal& traversal_of(const RTCIntersectFunctionNArguments* args) {
+  return *static_cast<TransportContext*>(args->context)->traversal;
+}
+
+void shorten(const RTCIntersectFunctionNArguments* args, const Traversal& traversal) {
+  RTCRayHit* query = reinterpret_cast<RTCRayHit*>(args->rayhit);
+  query->ray.tfar = std::min(query->ray.tfar, traversal.reach_for_embree());
+}
+
+}  // namespace
+
+void transport_objects(const RTCIntersectFunctionNArguments* args) {
+  if (!args->valid[0]) return;
+  Traversal& traversal = traversal_of(args);
+  traversal.try_object(traversal.world().bounded[args->primID]);
+  shorten(args, traversal);
+}
+
+void transport_mesh(const RTCIntersectFunctionNArguments* args) {
+  if (!args->valid[0]) return;
+  Traversal& traversal = traversal_of(args);
+  const auto* mesh = static_cast<const MeshObject*>(args->geometryUserPtr);
+  traversal.try_triangle(static_cast<int>(mesh - traversal.world().meshes.data()), args->primID);
+  shorten(args, traversal);
+}
+
+// --- crossings --------------------------------------------------------------------------------------------------------
+
+void Traversal::try_object(int index) {
+  const Object& object = world_.objects[static_cast<std::size_t>(index)];
+  const bool own = index == ray_->from.object;
+  if (own && is_flat(object.solid)) return;
+  bool ahead[2];
+  const Crossings<double> all = crossings(object.solid, object.canonical.rounded(*ray_));
+  if (decide_ahead(all, own, ray_->from.start, ahead)) {
+    for (int i = 0; i < all.count; ++i) {
+      if (ahead[i]) crossed_->offer({index, -1, 0, all.at[i].face, all.at[i].s, all.at[i].error});
+    }
+    return;
+  }
+  const Crossings<DoubleDouble> exactly_all = crossings(object.solid, object.canonical.exact(*ray_));
+  decide_ahead(exactly_all, own, ray_->from.start, ahead);
+  for (int i = 0; i < exactly_all.count; ++i) {
+    const double s = to_double(exactly_all.at[i].s);
+    if (ahead[i]) crossed_->offer({index, -1, 0, exactly_all.at[i].face, s, s * 0x1p-48});
+  }
+}
+
+void Traversal::try_triangle(int index, std::uint32_t triangle) {
+  if (index == ray_->from.mesh && triangle == ray_->from.triangle) return;
+  const MeshObject& mesh = world_.meshes[static_cast<std::size_t>(index)];
+  const auto& corner = mesh.given->faces[triangle];
+  Crossing<double> crossing;
+  if (!cross_triangle(triangle_ray_, mesh.vertices[corner[0]], mesh.vertices[corner[1]], mesh.vertices[corner[2]], crossing)) return;
+  Candidate candidate{mesh.object, index, triangle, crossing.face, crossing.s, crossing.error};
+  const Sign sign = sign_within(crossing.s - ray_->from.start, crossing.error);
+  if (sign == Sign::negative) return;
+  if (sign == Sign::zero) {
+    const DoubleDouble s = exact_distance(world_, *ray_, candidate);
+    if (!(to_double(s) > ray_->from.start)) return;
+    candidate.s = to_double(s);
+  }
+  crossed_->offer(candidate);
+}
+
+DoubleDouble exact_distance(const World& world, const Ray& ray, const Candidate& candidate) {
+  if (candidate.mesh >= 0) {
+    const ExactTriangle triangle = world.meshes[static_cast<std::size_t>(candidate.mesh)].triangle(candidate.triangle);
+    const DoubleDouble s = triangle.crossing(ray.origin, ray.direction);
+    // Met edge-on to rounding, the exact plane may be crossed far outside the triangle.
+    return std::fabs(to_double(s) - candidate.s) <= 16 * candidate.error ? s : DoubleDouble(candidate.s);
+  }
+  const Object& object = world.objects[static_cast<std::size_t>(candidate.object)];
+  const Crossings<DoubleDouble> all = crossings(object.solid, object.canonical.exact(ray));
+  for (int i = 0; i < all.count; ++i) {
+    if (all.at[i].face == candidate.face) return all.at[i].s;
+  }
+  return candidate.s;
+}
+
+// --- the first surface ------------------------------------------------------------------------------------------------
+
+bool Traversal::nearest(const Ray& ray, Candidate& winner) {
+  nearest_.candidates.clear();
+  follow(ray, nearest_);
+  const std::vector<Candidate>& found = nearest_.candidates.found();
+  if (found.empty()) return false;
+  winner = found.front();
+  if (found.size() == 1) return true;
+
+  DoubleDouble first = exact_distance(world_, ray, winner);
+  for (const Candidate& candidate : found) first = std::min(first, exact_distance(world_, ray, candidate));
+  const double tie = coincidence_m(world_, ray, to_double(first));
+  bool chosen = false;
+  for (const Candidate& candidate : found) {
+    if (to_double(exact_distance(world_, ray, candidate) - first) > tie) continue;
+    const bool earlier = std::pair(candidate.object, candidate.triangle) < std::pair(winner.object, winner.triangle);
+    if (!chosen || earlier) winner = candidate;
+    chosen = true;
+  }
+  return true;
+}
+
+// --- shadows ----------------------------------------------------------------------------------------------------------
+
+bool ShadowRays::is_between(const Candidate& crossing) const {
+  if (crossing.s + crossing.error < end_) return true;
+  if (crossing.s - crossing.error > end_) return false;
+  return to_double(exact_distance(traversal_.world(), *ray_, crossing)) < end_;
+}
+
+void ShadowRays::offer(const Candidate& crossing) {
+  const World& world = traversal_.world();
+  const bool transparent = material_of(world, crossing.object).transparency > 0;
+  if (blocked_ || (transparent && !world.description.attenuated_shadows)) return;
+  if (!is_between(crossing)) return;
+  if (transparent) {
+    between_.push_back(crossing);
+  } else {
+    blocked_ = true;
+  }
+}
+
+// Through an edge of a mesh, two triangles that face the same way are crossed where there is one surface.
+bool ShadowRays::seen_before(std::size_t index) const {
+  const Candidate& crossing = between_[index];
+  if (crossing.mesh < 0 || !(crossing.face & triangle_on_border)) return false;
+  return std::any_of(between_.begin(), between_.begin() + static_cast<std::ptrdiff_t>(index), [&](const Candidate& other) {
+    return other.mesh == crossing.mesh && other.face == crossing.face && std::fabs(other.s - crossing.s) <= other.error + crossing.error;
+  });
+}
+
+Shadow ShadowRays::shadow(const Ray& ray, double distance) {
+  ray_ = &ray;
+  end_ = distance < infinity ? distance - coincidence_m(traversal_.world(), ray, distance) : infinity;
+  blocked_ = false;
+  between_.clear();
+  if (end_ > 0) traversal_.follow(ray, *this);
+
+  Shadow result;
+  if (blocked_) {
+    result.share = {};
+    result.crossed = 1;
+    return result;
+  }
+  const auto in_file_order = [](const Candidate& a, const Candidate& b) {
+    return std::tuple(a.object, a.s, a.triangle) < std::tuple(b.object, b.s, b.triangle);
+  };
+  std::sort(between_.begin(), between_.end(), in_file_order);
+  for (std::size_t i = 0; i < between_.size(); ++i) {
+    if (seen_before(i)) continue;
+    const MaterialDescription& material = material_of(traversal_.world(), between_[i].object);
+    result.share = result.share * (material.transmission * material.transparency);
+    result.crossings += 1;
+    result.crossed = (result.crossed + static_cast<std::uint64_t>(between_[i].object) + 2) * 0x9e3779b97f4a7c15u;
+  }
+  return result;
+}
+
+}  // namespace equilux

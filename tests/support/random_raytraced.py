@@ -1,0 +1,113 @@
+"""Random `raytraced` scenes: one seed, one scene. Spheres, boxes, discs, rectangles, cylinders over a plane, matt, mirrors and glass.
+
+Objects keep to cells of their own, so that transparent ones never overlap.
+"""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Sequence
+from typing import Any
+
+from support.random_scenes import random_spec
+
+Spec = dict[str, Any]
+
+SHAPES = ("sphere", "box", "disc", "rectangle")
+CLOSED = ("sphere", "box")
+CELL = 0.9
+"""Side of a cell, metres; no object reaches farther than 0.42 from its middle."""
+
+
+def random_raytraced(
+    seed: int,
+    *,
+    shapes: Sequence[str] = SHAPES,
+    objects: tuple[int, int] = (3, 6),
+    recursion: tuple[int, int] = (0, 5),
+    shadows: Sequence[str] = ("attenuate", "ignore"),
+    glass: bool = True,
+    behind: bool = True,
+    exponents: tuple[float, float] = (1.0, 200.0),
+    fov_deg: tuple[float, float] | None = (30.0, 70.0),
+    plane: bool = True,
+    film: tuple[int, int] = (24, 18),
+) -> Spec:
+    """A spec as a plain dict.
+
+    glass: some materials let light through, the closed shapes (and the plane) with an index of refraction. behind: such materials
+    also have a diffuse and a highlight term, which lights behind the surface then reach.
+    """
+    rng = random.Random(f"raytraced {seed}")
+    base = random_spec(seed, objects=(0, 0), lights=(1, 3), exponents=exponents, fov_deg=fov_deg, film=film)
+    materials = {
+        **{f"matt{k}": _surface(rng, exponents) for k in range(2)},
+        "mirror": {**_surface(rng, exponents, 0.3), "reflection": _between(rng, 0.3, 1.0)},
+        "gloss": {**_surface(rng, exponents), "reflection": _between(rng, 0.0, 0.5)},
+    }
+    if glass:
+        materials["glass"] = _glass(rng, exponents, behind, rng.uniform(1.2, 2.4))
+        materials["bubble"] = _glass(rng, exponents, behind, rng.uniform(0.6, 0.9))
+        materials["gauze"] = _glass(rng, exponents, behind, 1.0)
+    cells = [[x, y, z] for x in (-1, 0, 1) for y in (-1, 0, 1) for z in (-1, 0, 1)]
+    things = []
+    for cell in rng.sample(cells, rng.randint(*objects)):
+        kind = rng.choice(list(shapes))
+        allowed = [name for name in materials if kind in CLOSED or name not in ("glass", "bubble")]
+        middle = [CELL * c + rng.uniform(-0.02, 0.02) for c in cell]
+        things.append({"kind": kind, "material": rng.choice(allowed), **_shape(rng, kind, middle)})
+    if plane:
+        floor = rng.choice(["matt0", "mirror", "gloss"])
+        normal = [rng.uniform(-0.2, 0.2), rng.choice([-1.0, 1.0]), rng.uniform(-0.2, 0.2)]
+        things.insert(rng.randint(0, len(things)), {"kind": "plane", "point": [0, -2.6, 0], "normal": normal, "material": floor})
+    return {
+        **base,
+        "name": f"raytraced-{seed}",
+        "model": "raytraced",
+        "recursion_limit": rng.randint(*recursion),
+        "transparent_shadows": rng.choice(list(shadows)),
+        "materials": materials,
+        "objects": things,
+    }
+
+
+def _between(rng: random.Random, low: float, high: float) -> list[float]:
+    return [rng.uniform(low, high) for _ in range(3)]
+
+
+def _surface(rng: random.Random, exponents: tuple[float, float], share: float = 1.0) -> Spec:
+    return {
+        "diffuse": _between(rng, 0.0, share),
+        "specular": _between(rng, 0.0, share),
+        "exponent": rng.uniform(*exponents),
+        "ambient": _between(rng, 0.0, 0.3 * share),
+        "emission": _between(rng, 0.0, 0.1 * share),
+    }
+
+
+def _glass(rng: random.Random, exponents: tuple[float, float], behind: bool, ior: float) -> Spec:
+    surface = _surface(rng, exponents, 0.4) if behind else {"emission": _between(rng, 0.0, 0.05)}
+    return {
+        **surface,
+        "reflection": _between(rng, 0.0, 0.5),
+        "transmission": _between(rng, 0.5, 1.0),
+        "transparency": rng.choice([1.0, rng.uniform(0.5, 1.0)]),
+        "ior": ior,
+    }
+
+
+def _shape(rng: random.Random, kind: str, middle: list[float]) -> Spec:
+    turn = {"rotate": {"axis": [rng.uniform(0.1, 1), rng.uniform(-1, 1), rng.uniform(-1, 1)], "degrees": rng.uniform(-180, 180)}}
+    place = {"transform": [turn, {"translate": middle}]}
+    if kind == "sphere":
+        if rng.random() < 0.5:
+            return {"center": middle, "radius": rng.uniform(0.2, 0.42)}
+        return {"center": [0, 0, 0], "radius": 0.42, "transform": [{"scale": _between(rng, 0.5, 1.0)}, *place["transform"]]}
+    if kind == "box":
+        return {"min": [-rng.uniform(0.1, 0.24) for _ in range(3)], "max": _between(rng, 0.1, 0.24), **place}
+    if kind == "disc":
+        return {"center": [0, 0, 0], "normal": [0, 0, 1], "radius": rng.uniform(0.2, 0.42), **place}
+    if kind == "cylinder":
+        return {"base": [0, 0, -rng.uniform(0.1, 0.3)], "top": [0, 0, rng.uniform(0.1, 0.3)], "radius": rng.uniform(0.1, 0.29), **place}
+    u, v = rng.uniform(0.3, 0.58), rng.uniform(0.3, 0.58)
+    return {"corner": [-u / 2, -v / 2, 0], "edge_u": [u, 0, 0], "edge_v": [0, v, 0], **place}
