@@ -19,13 +19,17 @@ The bound, with u = 2^-53, adds in first order (and a tenth more for the rest):
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TypeAlias
 
 import numpy as np
+import numpy.typing as npt
 
-from equilux_oracle.doubledouble import DD, Array
+from equilux_oracle.doubledouble import DD, Array, Index
 from equilux_oracle.highlight import Highlight, sensitivity
 from equilux_oracle.lights import Arriving
 from equilux_scenes.model import Material
+
+Lit: TypeAlias = tuple[npt.NDArray[np.intp], Array]
 
 UNIT_ROUNDOFF = 2.0**-53
 _SECOND_ORDER = 1.1
@@ -42,7 +46,7 @@ class Surface:
     ambient: Array
 
 
-def surface(materials: list[Material], index: Array, ambient: tuple[float, float, float]) -> Surface:
+def surface(materials: list[Material], index: Index, ambient: tuple[float, float, float]) -> Surface:
     """The constants of the materials `materials[index]`."""
 
     def bands(values: list[Array]) -> Array:
@@ -85,20 +89,21 @@ class Shading:
         return radiance, UNIT_ROUNDOFF * _SECOND_ORDER * (self.bound + radiance)
 
 
-def shade(here: Surface, normal: DD, light: Arriving, highlight: Highlight, directions: float, into: Shading) -> None:
-    """Add one light's diffuse term and highlight, where the light is on the normal's side.
+def shade(here: Surface, normal: DD, light: Arriving, highlight: Highlight, directions: float, into: Shading) -> Lit:
+    """Add one light's diffuse term and highlight, where the light is on the normal's side; return where, and the power there.
 
     directions: bound, in u, on the error of the directions that the highlight compares.
     """
     n, w = normal.hi, light.to_light.hi
     with np.errstate(invalid="ignore", divide="ignore"):  # a light exactly at the point has no direction, and adds nothing
         cosine = np.sum(n * (w / np.sqrt(np.sum(w**2, axis=0))), axis=0)
-    lit = np.flatnonzero(cosine > 0.0)
+    lit = np.flatnonzero((cosine > 0.0) & np.any(light.value > 0.0, axis=0))
     if len(lit) == 0:
-        return
+        return lit, np.zeros(0)
     cosine, e, error, p = cosine[lit], light.value[:, lit], light.error[lit], here.exponent[lit]
     power = highlight(lit) if np.any(here.specular[:, lit]) else np.zeros(len(lit))
     term, bound = np.zeros_like(into.total), e * here.diffuse[:, lit] * (error + 12.0)
     term[:, lit] = e * (here.diffuse[:, lit] * cosine + here.specular[:, lit] * power)
     into.add(term)
     into.bound[:, lit] += bound + e * here.specular[:, lit] * (error + 6.0 + directions * sensitivity(p))
+    return lit, power

@@ -33,7 +33,9 @@ def lacking(case: Case) -> Mapping[str, str]:
         features = ["shape.mesh", *(f"normals.{shape.normals}" for shape in meshes)]
         return dict.fromkeys(features, "a mesh is data, not a formula")
     if case.scene.model == "raytraced":
-        return {"model.raytraced": "not in this version"}
+        from equilux_oracle.affordable import too_deep
+
+        return too_deep(case)
     return {}
 
 
@@ -76,6 +78,10 @@ def examine(case: Case, film_xy: npt.ArrayLike) -> Examination:
     positions = np.asarray(film_xy, dtype=np.float64).reshape(-1, 2)
     if case.scene.model == "reflection-equation":
         raise ValueError(f"{case.name}: model reflection-equation is not examined but evaluated")
+    if case.scene.model == "raytraced":
+        from equilux_oracle.transport import examine_raytraced
+
+        return examine_raytraced(case, positions)
     from equilux_oracle.local_picture import examine_local
 
     return examine_local(case, positions)

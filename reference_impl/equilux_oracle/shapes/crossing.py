@@ -32,7 +32,8 @@ class Meeting:
     def number_between(self, start: Array | float, end: Array | float) -> Array:
         """How many crossings have start < t < end, (n,)."""
         counts = [exists & (t.hi > start) & (t.hi < end) for t, exists in zip(self.t, self.exists, strict=True)]
-        return np.sum(counts, axis=0, dtype=np.float64)
+        number: Array = np.sum(counts, axis=0, dtype=np.float64)
+        return number
 
 
 @dataclass(frozen=True)
