@@ -7,17 +7,23 @@ from types import SimpleNamespace
 
 from equilux_scenes.checking import Context, Problem, check
 from equilux_scenes.errors import number_text
+from equilux_scenes.kinds import kinds_of
 from equilux_scenes.model import BandIntervals, Spectrum, Strength
-from equilux_scenes.units import LUMINOUS, UNITS
-from equilux_scenes.yaml_tree import ListNode, MapNode
+from equilux_scenes.units import LUMINOUS, strengths
+from equilux_scenes.yaml_tree import ListNode, MapNode, ScalarNode
 
 SPECTRA = ("table", "blackbody", "illuminant", "line_nm")
 """The keys of which a spectrum has exactly one."""
 
 
+_STRENGTHS = {kind: strengths(cls) for kind, cls in kinds_of(Strength).items()}
+
+
 @check(Strength)
 def _one_strength(light: SimpleNamespace, node: MapNode, context: Context) -> Iterator[Problem]:
-    given = [key for key in node.entries if key in UNITS or key == "spectrum"]
+    kind = node.entries.get("kind")
+    known = (*_STRENGTHS[str(kind.value)], "spectrum") if isinstance(kind, ScalarNode) else ()
+    given = [key for key in node.entries if key in known]
     beside_spectrum = {"flux", "luminous_flux", *LUMINOUS.values()}
     first = None
     for key in given:

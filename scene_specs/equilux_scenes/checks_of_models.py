@@ -7,6 +7,7 @@ from types import SimpleNamespace
 
 from equilux_scenes.checking import Context, Problem, check
 from equilux_scenes.errors import number_text, shortened
+from equilux_scenes.kinds import kinds_of
 from equilux_scenes.mesh import open_edge
 from equilux_scenes.model import Emitter, Material, Scene, SpotLight
 from equilux_scenes.overlaps import overlapping
@@ -120,20 +121,9 @@ def _something_to_be_seen(scene: SimpleNamespace, node: MapNode, context: Contex
         return
     lights = node.entries.get("lights")
     kinds = {_word(light, "kind") for light in lights.entries.values()} if isinstance(lights, MapNode) else set()
-    if context.model != "reflection-equation" or not kinds & _EMITTERS:
+    if context.model != "reflection-equation" or not kinds & kinds_of(Emitter).keys():
         note = " (an emitter would do too)" if context.model == "reflection-equation" else ""
         yield Problem((), message=f"missing key 'objects' in the scene, allowed a list{note}")
-
-
-def _kinds(base: type[Emitter]) -> Iterator[str]:
-    for cls in base.__subclasses__():
-        kind = cls.model_fields.get("kind")
-        if kind is not None:
-            yield kind.annotation.__args__[0]  # type: ignore[union-attr]
-        yield from _kinds(cls)
-
-
-_EMITTERS = frozenset(_kinds(Emitter))
 
 
 def _items(node: Node) -> tuple[Node, ...]:

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
 from types import UnionType
-from typing import Annotated, Any, Literal, Union, get_args, get_origin
+from typing import Annotated, Any, Literal, TypeVar, Union, get_args, get_origin
 
 from pydantic import ConfigDict, TypeAdapter
 from pydantic.fields import FieldInfo
@@ -56,6 +57,20 @@ def fields_of(cls: type[Part]) -> tuple[tuple[str, Kind, FieldInfo], ...]:
         (name, _kind(field.annotation, tuple(field.metadata), field.discriminator), field)
         for name, field in cls.model_fields.items()
     )
+
+
+PartType = TypeVar("PartType", bound=Part)
+
+
+@cache
+def kinds_of(base: type[PartType]) -> Mapping[str, type[PartType]]:
+    """The value of `kind` → the kind of part, of all that derive from `base`."""
+    found: dict[str, type[PartType]] = {}
+    for cls in base.__subclasses__():
+        if "kind" in cls.model_fields:
+            found[get_args(cls.model_fields["kind"].annotation)[0]] = cls
+        found.update(kinds_of(cls))
+    return found
 
 
 def _kind(annotation: Any, metadata: tuple[Any, ...], discriminator: Any) -> Kind:

@@ -7,7 +7,7 @@ import pytest
 from equilux.complaint import BadUsage
 from equilux.plan import filter_cases, select_adapters
 from equilux_scenes.loader import load_scene_text
-from support.engine import planned, registry, scene
+from support.engine import planned, registry, scene, scene_text
 
 EXPECTS_HIGHLIGHT_MISSING = "expect:\n  - {adapter: matte, cause: highlight-missing}"
 
@@ -24,6 +24,12 @@ def test_an_adapter_that_has_every_feature_runs():
 
 def test_a_lacking_feature_makes_it_unsupported_and_is_named():
     assert action("matte", scenes=[scene(specular=0.5)]) == ("unsupported", ("material.specular",))
+
+
+def test_no_adapter_needs_what_is_dealt_with_while_a_scene_is_read():
+    found = load_scene_text(scene_text().replace("intensity: 7.5", "luminous_flux: 800"))
+    assert {"input.photometric", "input.flux"} <= set(found.cases[0].requires)
+    assert action("matte", scenes=[found]) == ("run", ())
 
 
 def test_an_expectation_of_the_cause_that_stands_for_the_lack_lets_it_run():
