@@ -17,6 +17,8 @@ import numpy as np
 import numpy.typing as npt
 import OpenImageIO as oiio
 
+from equilux.brdf import Brdf, study
+
 Image = npt.NDArray[np.float64]
 
 HOSTILE = "</pre></script><script>window.hacked = 1</script><img src=x onerror='window.hacked = 1'>"
@@ -26,6 +28,12 @@ BUDGETS = {
     "reference": {"abs": 1e-12, "rel": 1e-12},
     "povray": {"abs": 7.7e-6, "rel": 1e-7},
     "vtk": {"abs": 1e-9, "rel": 2.4e-7},
+}
+PHOTOMETRY = {
+    "k_m": 683.002,
+    "k_m_text": "683.002 lm/W, the SI's",
+    "bands": "linear Rec.709 primaries",
+    "luminance_weights": [145.232866, 488.461638, 49.307496],
 }
 VERSIONS = {"oracle": "0.1.0", "reference": "0.1.0 (Embree 3.13.5)", "povray": "3.7.0.10", "vtk": "9.7.2"}
 
@@ -271,6 +279,7 @@ def _write_case(root: Path, case: FakeCase, adapters: tuple[str, ...], seed: int
         if image is not None:
             images[adapter] = image
     (folder / "pairs").mkdir(parents=True)
+    (folder / "materials.json").write_text(json.dumps(_materials(case)))
     pairs = []
     by_trust = sorted(images, key=lambda name: (TRUST.get(name, 2), name))
     for rank, b in enumerate(by_trust):
@@ -281,6 +290,7 @@ def _write_case(root: Path, case: FakeCase, adapters: tuple[str, ...], seed: int
         "scene": case.scene,
         "model": "phong",
         "requires": list(case.requires),
+        "photometry": PHOTOMETRY,
         "about": case.about,
         "scene_file": f"corpus/{case.family}/{case.scene}.scene.yaml",
         "axes": case.axes,
@@ -290,6 +300,17 @@ def _write_case(root: Path, case: FakeCase, adapters: tuple[str, ...], seed: int
         "renders": renders,
         "pairs": pairs,
     }
+
+
+def _materials(case: FakeCase) -> dict[str, Any]:
+    """As the engine writes them: a material whose name is hostile, its bands apart where the sphere's are."""
+    grey = len(set(case.sphere.diffuse)) == len(set(case.sphere.specular)) == 1
+    bands = {
+        band: study(Brdf("phong-classic", case.sphere.diffuse[k], case.sphere.specular[k], case.sphere.exponent)).to_json()
+        for k, band in enumerate(("all",) if grey else "rgb")
+    }
+    material = {"name": f"clay {HOSTILE}", "kind": "phong-classic", "bands": bands}
+    return {"schema": "equilux/materials/1", "case": case.name, "materials": [material]}
 
 
 def _write_render(folder: Path, case: FakeCase, adapter: str, image: Image | None, fault: dict[str, Any]) -> dict[str, Any]:

@@ -13,6 +13,7 @@ import pytest
 from playwright.sync_api import Page
 
 from browser.conftest import Opened, Opener, case_path
+from browser.fake_tree import PHOTOMETRY
 
 pytestmark = pytest.mark.browser
 
@@ -85,6 +86,38 @@ def test_inspector_shows_the_float32_values_of_the_files_exactly(tree: Path, ope
             for text, value in zip(shown[row], planes[y, x, offset : offset + 3], strict=True):
                 assert same(text, value), f"{pair} {row} at ({x}, {y}): page {text}, file {value!r}"
         assert shown["class"] == [("agree", "diverge", "edge", "invalid")[int(planes[y, x, 6])]]
+
+
+@pytest.mark.parametrize("case", ["three-bands", CLAMPED])
+def test_the_inspector_shows_luminance_as_the_weighted_sum_of_the_bands(tree: Path, opened: Opener, case: str) -> None:
+    view = opened(case_path(tree, case))
+    view.settled()
+    weights = PHOTOMETRY["luminance_weights"]
+    for x, y in [(40, 30), (51, 28)]:
+        expected = float(exr(tree / "cases" / case / "oracle" / "image.exr")[y, x].astype(np.float64) @ weights)
+        shown = float(inspect(view, x, y)["oracle.lum"].replace("\u2009", "").replace("−", "-"))
+        assert shown == pytest.approx(expected, rel=1e-3), f"page {shown} cd/m², files {expected}"  # four digits
+
+
+def test_the_legend_of_a_luminance_picture_is_in_candela_per_square_metre(tree: Path, opened: Opener) -> None:
+    view = opened(case_path(tree, CLAMPED), "map=false&band=lum&ev=0")
+    view.settled()
+    legend = view.page.locator("figure.picture", has=view.page.locator("figcaption b", has_text="oracle")).locator(".legend")
+    white = float(legend.locator(".legend__ticks span").last.inner_text())
+    assert legend.locator(".legend__unit").inner_text() == "luminance, cd/m²"
+    assert white == pytest.approx(683.002, abs=0.5), f"white is one W/(m²·sr) in each band: {white} cd/m², K_m 683.002"
+
+
+@pytest.mark.parametrize(("case", "rows"), [("three-bands", ["R", "G", "B"]), (CLAMPED, ["R G B"])])
+def test_every_material_has_its_plots_and_its_checks(tree: Path, opened: Opener, case: str, rows: list[str]) -> None:
+    view = opened(case_path(tree, case))
+    material = view.page.locator("#materials .material")
+    assert material.count() == 1
+    assert material.locator("svg.brdf").count() == 2
+    assert material.locator("svg").first.locator("polyline.curve").count() == len(rows)
+    assert material.locator("tbody th").all_inner_texts() == rows
+    assert "grows like 1/cosθ" in material.locator("tbody tr").first.inner_text()
+    assert view.page.evaluate("window.hacked") is None
 
 
 def test_bound_is_difference_over_normalised_error(tree: Path, opened: Opener) -> None:
