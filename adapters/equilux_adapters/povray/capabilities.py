@@ -10,14 +10,23 @@ _EXACT = Capability("exact")
 _NEAR = Capability("approximate", "small fade_distance d in 2/(1 + (r/d)^p); the error is in the budget")
 _MESH = Capability("approximate", "vertices and normals are float32; the error is in the budget")
 
+_NO_HIGHLIGHT = Capability("approximate", "light from behind makes no highlight: the term T·V is missing (Q39)")
+
 CAPABILITIES: Mapping[str, Capability] = {
     "model.phong": _EXACT,
+    "model.opengl": Capability("approximate", "where V is minus the ray's direction and a light needs one colour (Q40)"),
+    "model.raytraced": _EXACT,
+    "model.reflection-equation": Capability("approximate", "lights without an extent, by the model of ray tracing"),
     "camera.perspective": _EXACT,
     "camera.orthographic": _EXACT,
     "light.point": _EXACT,
     "light.directional": _EXACT,
     "light.spot": _EXACT,
     "light.spot-exponent": _EXACT,
+    "light.diffuse-colour": _EXACT,
+    "light.specular-colour": _EXACT,
+    "light.ambient-colour": Capability("approximate", "only where no material shows it (Q40)"),
+    "viewer.infinite": Capability("approximate", "orthographic views, or no highlight (Q40)"),
     "attenuation.constant": _EXACT,
     "attenuation.linear": Capability(
         "approximate", f"{_NEAR.note}; constant, linear and quadratic together need linear² > 4 constant quadratic"
@@ -27,6 +36,12 @@ CAPABILITIES: Mapping[str, Capability] = {
     "material.specular": _EXACT,
     "material.ambient": _EXACT,
     "material.emission": _EXACT,
+    "occlusion": Capability("approximate", "blockers within 1e-3 of POV-Ray's units of the point or the light are missed (Q37)"),
+    "reflection": _EXACT,
+    "transparency": _NO_HIGHLIGHT,
+    "refraction": Capability("approximate", "indices of refraction are float32; the error is in the budget (Q35)"),
+    "shadow.attenuated": _EXACT,
+    "shadow.ignored": _EXACT,
     "background": _EXACT,
     "shape.sphere": _EXACT,
     "shape.plane": _EXACT,

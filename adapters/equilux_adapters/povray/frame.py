@@ -25,6 +25,8 @@ PLANE_DEPTH = 1e7  # units; a plane farther along the ray is a miss (Q14)
 BOX_ROUNDING = 3 * 2.0**-24  # radians; see _object_error (Q16)
 LEAST_PX = 1e-6  # double rounding of rays and crossings
 REMOTE = 16.0  # an eye farther from the origin than this many extents of the scene becomes the origin
+SHADOW_BIAS = 1e-3  # units; blockers nearer to the point or to the light are missed (SHADOW_TOLERANCE, Q37)
+OBLIQUE = 10.0  # 1/sin of the angle between surfaces down to which the strip without shadow is that narrow: 6°
 SCALES = [1.0] + [10.0**n for n in range(-24, 25) if n]  # units per metre, the plainest first
 TOLERABLE_PX = 0.01  # beyond this the unit is chosen for accuracy instead of readability
 
@@ -111,7 +113,8 @@ def choose(case: Case) -> Frame:
         span = f"from {near:g} m to {far:g} m in front of the eye"
         raise Unsupported(shapes, f"surfaces {span}: POV-Ray sees {NEAREST_HIT:g} to {FARTHEST_HIT:g} of its units")
     origin = _origin(camera, far)
-    errors = {s: max([LEAST_PX] + [_object_error(camera, origin, s, seen) for seen in objects]) for s in fitting}
+    secondary = bool({"occlusion", "reflection", "transparency"} & set(case.requires))
+    errors = {s: max([LEAST_PX] + [_object_error(camera, origin, s, seen, secondary) for seen in objects]) for s in fitting}
     if errors.get(1.0, math.inf) <= TOLERABLE_PX:
         return Frame(origin, 1.0, errors[1.0])
     # the smallest error; among equals, the middle of the range of lengths that POV-Ray is at ease with
@@ -147,9 +150,15 @@ def _origin(camera: View, far: float) -> Vector:
     return camera.eye.copy() if float(np.abs(camera.eye).max()) > REMOTE * extent else np.zeros(3)
 
 
-def _object_error(camera: View, origin: Vector, scale: float, seen: _Seen) -> float:
-    """A bound, in pixels, on how far POV-Ray's tolerances displace the silhouettes and edges of one object."""
-    obj, distance = seen.obj, max(seen.distance, NEAREST_HIT / scale) if camera.perspective else 1.0
+def _object_error(camera: View, origin: Vector, scale: float, seen: _Seen, secondary: bool) -> float:
+    """A bound, in pixels, on how far POV-Ray's tolerances displace the silhouettes and edges of one object, and its shadows."""
+    distance = max(seen.distance, NEAREST_HIT / scale) if camera.perspective else 1.0
+    bias = camera.film_px(OBLIQUE * SHADOW_BIAS / scale / distance) if secondary else 0.0
+    return _silhouette_error(camera, origin, scale, seen, distance, secondary) + bias
+
+
+def _silhouette_error(camera: View, origin: Vector, scale: float, seen: _Seen, distance: float, secondary: bool) -> float:
+    obj = seen.obj
     if isinstance(obj, Rectangle):
         return 0.0
     if isinstance(obj, Sphere):
@@ -159,8 +168,10 @@ def _object_error(camera: View, origin: Vector, scale: float, seen: _Seen) -> fl
     if isinstance(obj, Box):
         return camera.film_px(BOX_CORNER / scale / distance)
     if isinstance(obj, Plane):
-        # beyond PLANE_DEPTH the plane ends, before the horizon; the angle left is at most height / depth
-        return camera.film_px(distance * scale / PLANE_DEPTH) if camera.perspective else 0.0
+        # beyond PLANE_DEPTH the plane ends, before the horizon; the angle left is at most height / depth. Of parallel rays only
+        # mirrored ones see a horizon, and that angle moves what they see by as many metres as it lies off
+        angle = distance * scale / PLANE_DEPTH
+        return camera.film_px(angle) if camera.perspective or secondary else 0.0
     # every other shape is clipped by a float32 bounding box: of two slabs each distance (b − o)/d takes three roundings, 6 in
     # all, and b and o themselves are rounded; distances differing by a share ε tilt the ray by ½ sin 2θ ε ≤ ε/2
     assert seen.hull is not None

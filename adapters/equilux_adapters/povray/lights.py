@@ -10,10 +10,13 @@ import numpy as np
 from equilux.adapter import Unsupported
 from equilux_adapters.povray import attenuation, distances
 from equilux_adapters.povray.frame import Frame
+from equilux_adapters.povray.gl_lights import shown_light
 from equilux_adapters.povray.numbers import bands, number, vector
 from equilux_scenes.case import Case
 from equilux_scenes.model import DeltaLight, DirectionalLight, SpotLight
 from equilux_scenes.transforms import unit
+
+FAR = 1e7  # units; POV-Ray finds nothing beyond (Q14)
 
 
 @dataclass(frozen=True)
@@ -32,11 +35,12 @@ class Lamp:
 
 
 def lamps(case: Case, frame: Frame, fade_ratio: float) -> list[Lamp]:
-    """Every light of the scene, in file order. Raises Unsupported naming every attenuation that cannot be expressed."""
+    """Every light of the scene, in file order. Raises Unsupported naming all that cannot be expressed."""
     result, problems = [], []
     for name, light in case.scene.delta_lights.items():
         try:
-            result.append(_lamp(case, name, light, frame, fade_ratio))
+            shown = shown_light(light, case)
+            result.append(_lamp(case, name, shown, frame, fade_ratio))
         except Unsupported as problem:
             problems.append((name, problem))
     if problems:
@@ -48,7 +52,7 @@ def lamps(case: Case, frame: Frame, fade_ratio: float) -> list[Lamp]:
 def _lamp(case: Case, name: str, light: DeltaLight, frame: Frame, fade_ratio: float) -> Lamp:
     if isinstance(light, DirectionalLight):
         brightest = max(light.irradiance)
-        return Lamp(_directional(name, light), (brightest,) * len(case.scene.objects), 0.0, 0.0, 1)
+        return Lamp(_directional(name, light, case), (brightest,) * len(case.scene.objects), 0.0, 0.0, 1)
     position = np.array(light.position)
     reach = [max(distances.nearest(case, index, position), 1e-6 / frame.scale) for index in range(len(case.scene.objects))]
     law = attenuation.law(light.attenuation, frame.scale, min(reach), fade_ratio)
@@ -67,9 +71,12 @@ def _terms(light: DeltaLight) -> Iterator[str]:
             yield power if power and factor == 1 else f"{number(factor)} {power}".rstrip()
 
 
-def _directional(name: str, light: DirectionalLight) -> str:
-    """`parallel` makes every ray parallel to location − point_at, wherever the point lies (Q12)."""
-    towards = np.negative(unit(light.direction))
+def _directional(name: str, light: DirectionalLight, case: Case) -> str:
+    """`parallel` makes every ray parallel to location − point_at, wherever the point lies (Q12).
+
+    Where there are shadows, a shadow ray ends in the plane through the location: that is far off then (Q33).
+    """
+    towards = np.negative(unit(light.direction)) * (FAR if "occlusion" in case.requires else 1.0)
     colour = f"rgb {bands(light.irradiance)} * Exposure"
     return f"// {name}\nlight_source {{ {vector(towards)}, {colour} parallel point_at <0, 0, 0> }}"
 

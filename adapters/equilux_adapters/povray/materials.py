@@ -1,133 +1,71 @@
-"""Materials as POV-Ray textures: one layer where the bands allow it, a stack of layers where they do not.
-
-POV-Ray multiplies diffuse, ambient and emission by the pigment and the highlight by nothing (Q4), so one layer carries three
-bands of diffuse light beside a grey highlight. Anything else is layered: a layer of transmit ½ contributes with weight ½ and
-shows what lies below with weight ½, and powers of two in the coefficients restore the weights without rounding (Q6).
-"""
+"""What a material does in its scene, term by term as POV-Ray is to show it: weighted, and zero where it cannot show."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import dataclass
 
-from equilux_adapters.povray.numbers import bands, number, vector
-from equilux_scenes.model import Material
+from equilux_scenes.model import Material, Scene
 
 Triple = Sequence[float]
-Layer = Callable[[float, bool], str]
-"""(weight to restore, half-transparent?) → text"""
 
 BLACK = (0.0, 0.0, 0.0)
-LARGEST_RATIO = 1e6  # a pigment carries another term only up to this quotient, far inside float32
-
 
 @dataclass(frozen=True)
 class Coefficients:
-    """What a material does in its scene: terms that cannot show are zero."""
+    """The weights of every term, after the model's (1 − t) and t.
+
+    diffuse: K_diff, the pigment; front and back: its weights for lights in front and behind. specular: with weight (1 − t) in it.
+    half_vector: whether the highlight is (N·H)^p instead of (R·V)^p. reflection: (1 − t) k_refl. through: t k_trans where the
+    surface is transparent, else None. ior: of the inner side.
+    """
 
     diffuse: Triple
     specular: Triple
     exponent: float
     ambient: Triple
     emission: Triple
+    front: float = 1.0
+    back: float = 0.0
+    half_vector: bool = False
+    reflection: Triple = BLACK
+    through: Triple | None = None
+    ior: float = 1.0
+
+    @property
+    def onward(self) -> float:
+        """An upper bound of how much of what secondary rays find is added; a total reflection counts 1."""
+        if self.through is None:
+            return max(self.reflection)
+        both = max(r + k for r, k in zip(self.reflection, self.through, strict=True))
+        return max(both, 1.0) if self.ior != 1 else both
+
+    @property
+    def shine(self) -> float:
+        """An upper bound of the radiance per irradiance that lights are reflected with."""
+        weight = max(self.front, self.back)
+        return max(d * weight + s for d, s in zip(self.diffuse, self.specular, strict=True))
 
 
-@dataclass(frozen=True)
-class Texture:
-    """The text of a texture, and whether it has several layers (then `adc_bailout 0` is needed: Q7)."""
-
-    text: str
-    layered: bool
-
-
-def coefficients(material: Material, ambient: Triple) -> Coefficients:
-    shown = tuple(k if light else 0.0 for k, light in zip(material.ambient, ambient, strict=True))
-    return Coefficients(material.diffuse, material.specular, material.exponent, shown, material.emission)
-
-
-def texture(material: Coefficients) -> Texture:
-    """The simplest exact texture for `material`."""
-    glow = replace(material, diffuse=BLACK, specular=BLACK)
-    surface = material
-    layers: list[Layer] = []
-    above: list[Layer] = []
-    if any(material.diffuse) and not all(_carries(material.diffuse, term) for term in (material.ambient, material.emission)):
-        surface = replace(material, ambient=BLACK, emission=BLACK)
-        above.append(_surface(glow))
-    if len(set(material.specular)) > 1:
-        layers += [_highlight(material.exponent), _filter(material.specular)]
-        surface = replace(surface, specular=BLACK)
-    if not layers or any(surface.diffuse) or any(surface.ambient) or any(surface.emission):
-        layers.append(_surface(surface))
-    layers += above
-    return Texture("\n".join(_stacked(layers)), len(layers) > 1)
+def coefficients(material: Material, scene: Scene) -> Coefficients:
+    """The terms of `material` in `scene`."""
+    shown = tuple(k if light else 0.0 for k, light in zip(material.ambient, scene.ambient, strict=True))
+    specular = BLACK if material.brdf == "lambert" else material.specular
+    t = material.transparency
+    return Coefficients(
+        diffuse=material.diffuse,
+        specular=_weighted(1.0 - t, specular),
+        exponent=material.exponent,
+        ambient=shown,
+        emission=material.emission,
+        front=1.0 - t,
+        back=t,
+        half_vector=scene.model == "opengl",
+        reflection=_weighted(1.0 - t, material.reflection),
+        through=_weighted(t, material.transmission) if t > 0 else None,
+        ior=material.ior,
+    )
 
 
-def _stacked(layers: Sequence[Layer]) -> list[str]:
-    """Bottom layer first, as POV-Ray wants it; only the bottom one is opaque, and a filter above halves nothing."""
-    texts: list[str] = []
-    weight = 1.0
-    for position in range(len(layers) - 1, -1, -1):
-        layer, half = layers[position], position > 0 and not _is_filter(layers[position])
-        weight *= 2.0 if half else 1.0
-        texts.append(layer(weight, half))
-    return texts[::-1]
-
-
-def _carries(pigment: Triple, term: Triple) -> bool:
-    """Can `term` be written as a colour times the pigment?"""
-    return all(t <= LARGEST_RATIO * p for p, t in zip(pigment, term, strict=True))
-
-
-def _surface(material: Coefficients) -> Layer:
-    """Diffuse light with three bands, what glows, and a grey highlight: one layer."""
-    # without diffuse light the pigment only carries the glow: white
-    pigment = material.diffuse if any(material.diffuse) else (1.0, 1.0, 1.0)
-
-    def text(weight: float, half: bool) -> str:
-        colour = f"rgbt {vector([*pigment, 0.5])}" if half else f"rgb {bands(pigment)}"
-        diffuse = weight if any(material.diffuse) else 0.0
-        finish = [_glow("ambient", material.ambient, pigment, weight), f"diffuse {number(diffuse)}"]
-        if any(material.emission):
-            finish.append(_glow("emission", material.emission, pigment, weight) + " * Exposure")
-        if any(material.specular):
-            finish.append(f"phong {number(material.specular[0] * weight)} phong_size {number(material.exponent)}")
-        return f"texture {{ pigment {{ {colour} }} finish {{ {' '.join(finish)} }} }}"
-
-    return text
-
-
-def _glow(keyword: str, term: Triple, pigment: Triple, weight: float) -> str:
-    return f"{keyword} " + _rgb([weight * t / p if t else 0.0 for p, t in zip(pigment, term, strict=True)])
-
-
-def _rgb(values: Triple) -> str:
-    return "0" if not any(values) else f"rgb {bands(values)}"
-
-
-def _highlight(exponent: float) -> Layer:
-    """The bottom of a coloured highlight: a grey one on black, seen through a filter of the highlight's colour (Q6)."""
-
-    def text(weight: float, half: bool) -> str:
-        return f"texture {{ pigment {{ rgb 0 }} finish {{ ambient 0 diffuse 0 phong 1 phong_size {number(exponent)} }} }}"
-
-    return text
-
-
-class _Filter:
-    """Tints what lies below, and restores the weight that the layers above take from it."""
-
-    def __init__(self, colour: Triple) -> None:
-        self.colour = colour
-
-    def __call__(self, weight: float, half: bool) -> str:
-        colour = vector([*(band * weight for band in self.colour), 1.0])
-        return f"texture {{ pigment {{ rgbf {colour} }} finish {{ ambient 0 diffuse 0 }} }}"
-
-
-def _filter(colour: Triple) -> Layer:
-    return _Filter(colour)
-
-
-def _is_filter(layer: Layer) -> bool:
-    return isinstance(layer, _Filter)
+def _weighted(weight: float, bands: Triple) -> Triple:
+    return tuple(weight * band for band in bands)

@@ -22,6 +22,8 @@ EXECUTABLE = "povray"
 POLL_S = 0.005
 MESSAGE_LINES = 12
 CHATTER = ("==== ", "Parsing ", "Rendered ", "POV-Ray finished")  # headings and progress
+EXPERIMENTAL = "This rendering uses the following experimental feature(s):"
+BACKSIDE = " backside illumination. The design and implementation of these features is"
 
 
 @dataclass(frozen=True)
@@ -142,8 +144,17 @@ def _check(exposure: Exposure, status: int, workdir: Path) -> None:
 def spoken(log: str) -> list[str]:
     """What POV-Ray said beyond its banner: the lines below the heading of its first phase, or all if it never came so far."""
     lines = [line.rstrip() for line in log.splitlines() if line.strip() and "user configuration file" not in line]
+    lines = _without_notice(lines)
     phases = [i for i, line in enumerate(lines) if line.startswith("==== ")]
     return [line for line in lines[phases[0] :] if not line.startswith(CHATTER)] if phases else lines
+
+
+def _without_notice(lines: list[str]) -> list[str]:
+    """POV-Ray calls `diffuse` with two numbers experimental, in four lines for every picture (Q41)."""
+    start = next((i for i, line in enumerate(lines) if EXPERIMENTAL in line), None)
+    if start is None or lines[start + 1 : start + 2] != [BACKSIDE]:
+        return lines
+    return lines[:start] + lines[start + 4 :]
 
 
 def _short(said: Sequence[str]) -> str:

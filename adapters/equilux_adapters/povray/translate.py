@@ -4,40 +4,42 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from typing import Any
-
-import numpy as np
 
 from equilux.adapter import Program
 from equilux_adapters.povray import frame as frames
+from equilux_adapters.povray.facts import facts
 from equilux_adapters.povray.frame import Frame
+from equilux_adapters.povray.gl_lights import check_viewer
 from equilux_adapters.povray.knobs import PovrayKnobs
 from equilux_adapters.povray.lights import Lamp, lamps
-from equilux_adapters.povray.materials import Coefficients, coefficients, texture
-from equilux_adapters.povray.meshes import mesh_accuracy
+from equilux_adapters.povray.materials import Coefficients, coefficients
+from equilux_adapters.povray.media import NEARLY, Media, media
 from equilux_adapters.povray.numbers import bands, matrix_modifier, number, vector
 from equilux_adapters.povray.shapes import written
+from equilux_adapters.povray.textures import texture
 from equilux_scenes.case import Case
-from equilux_scenes.transforms import matrix
 
 SCENE_FILE = "scene.pov"
 SETTINGS_FILE = "render.ini"
+LOCAL = ("phong", "opengl")  # models without occlusion
 EXHAUSTIVE = 200  # below this many objects and lights all are tried, in file order: the first of coincident ones wins (Q17)
 
 
 def program(case: Case, knobs: PovrayKnobs) -> Program:
     """The scene file, the settings file, and what `render` and `read` must know. Raises Unsupported."""
+    check_viewer(case)
     frame = frames.choose(case)
     lights = lamps(case, frame, knobs.fade_ratio)
-    materials = {name: coefficients(m, case.scene.ambient) for name, m in case.scene.materials.items()}
+    insides = media(case)
+    materials = {name: coefficients(m, case.scene) for name, m in case.scene.materials.items()}
     files = {
-        SCENE_FILE: _scene(case, frame, lights, materials).encode(),
+        SCENE_FILE: _scene(case, frame, lights, materials, insides).encode(),
         SETTINGS_FILE: _settings(case, knobs).encode(),
     }
-    return Program(files, SCENE_FILE, _facts(case, frame, lights, materials))
+    return Program(files, SCENE_FILE, facts(case, frame, lights, materials, insides))
 
 
-def _scene(case: Case, frame: Frame, lights: list[Lamp], materials: Mapping[str, Coefficients]) -> str:
+def _scene(case: Case, frame: Frame, lights: list[Lamp], materials: Mapping[str, Coefficients], insides: Media) -> str:
     scene = case.scene
     used = list(dict.fromkeys(obj.material for obj in scene.objects))
     names = {name: f"Material_{index}_{re.sub('[^A-Za-z0-9_]', '_', name)}" for index, name in enumerate(used)}
@@ -48,15 +50,42 @@ def _scene(case: Case, frame: Frame, lights: list[Lamp], materials: Mapping[str,
         blocks.append(f"background {{ rgb {bands(scene.background)} * Exposure }}")
     blocks += [lamp.text for lamp in lights]
     blocks += [f"#declare {names[name]} =\n{_indented(textures[name].text)};" for name in used]
-    for index, obj in enumerate(scene.objects):
-        shape = written(obj, case.meshes.get(index), frame)
-        modifiers = [f"texture {{ {names[obj.material]} }}"]
-        if shape.matrix is not None:
-            modifiers.append(matrix_modifier(shape.matrix))
-        # no occlusion in the model; a shadowless light would lose its highlight (Q3)
-        modifiers.append("no_shadow }")
-        blocks.append("\n  ".join([shape.text, *modifiers]))
+    blocks += [_object(case, frame, i, names, insides) for i in range(len(scene.objects)) if i not in insides.shared]
+    if insides.shared:
+        blocks.append(_sharing(case, frame, names, insides))
     return "\n\n".join(blocks) + "\n"
+
+
+def _sharing(case: Case, frame: Frame, names: Mapping[str, str], insides: Media) -> str:
+    """Objects with one inside: a ray enters and leaves it in turns, so that every crossing counts (Q34).
+
+    They come last, so that it is the innermost of what the eye is inside of, and as one object, so that it counts once. Of
+    coincident surfaces in a union the last one wins.
+    """
+    parts = [_object(case, frame, index, names, insides) for index in reversed(insides.shared)]
+    if len(parts) == 1:
+        return f"{parts[0][:-2]}\n  {NEARLY} }}"
+    return "union {\n" + "\n".join(_indented(part) for part in parts) + f"\n  {NEARLY}\n  split_union off\n}}"
+
+
+def _object(case: Case, frame: Frame, index: int, names: Mapping[str, str], insides: Media) -> str:
+    obj = case.scene.objects[index]
+    shape = written(obj, case.meshes.get(index), frame)
+    modifiers = [f"texture {{ {names[obj.material]} }}", *insides.modifiers.get(index, [])]
+    if shape.matrix is not None:
+        modifiers.append(matrix_modifier(shape.matrix))
+    if _shadowless(case, index):
+        modifiers.append("no_shadow")
+    modifiers[-1] += " }"
+    return "\n  ".join([shape.text, *modifiers])
+
+
+def _shadowless(case: Case, index: int) -> bool:
+    """Whether light passes this object as if it were not there; a shadowless light would lose its highlight (Q3)."""
+    if case.scene.model in LOCAL:
+        return True
+    see_through = case.scene.materials[case.scene.objects[index].material].transparency > 0
+    return see_through and "shadow.ignored" in case.requires
 
 
 def _header(case: Case, frame: Frame) -> str:
@@ -77,8 +106,12 @@ def _globals(case: Case, ambient: bool, layered: bool) -> str:
     parts = ["assumed_gamma 1.0"]
     if ambient:
         parts.append(f"ambient_light rgb {bands(case.scene.ambient)} * Exposure")
-    if layered:
+    secondary = {"reflection", "transparency"} & set(case.requires)
+    if layered or secondary:
         parts.append("adc_bailout 0")
+    if secondary:
+        # the camera's ray is the first level (Q38)
+        parts.append(f"max_trace_level {case.scene.recursion_limit + 1}")
     return f"global_settings {{ {' '.join(parts)} }}"
 
 
@@ -111,33 +144,3 @@ def _settings(case: Case, knobs: PovrayKnobs) -> str:
         "Display=Off", "Pause_When_Done=Off", "Verbose=Off", "Continue_Trace=Off",
         "Debug_Console=Off", "Render_Console=Off", "Statistic_Console=Off", "",
     ])
-
-
-def _facts(case: Case, frame: Frame, lights: list[Lamp], materials: Mapping[str, Coefficients]) -> dict[str, Any]:
-    """What the exposures and the budget are derived from; all bounds are over the whole picture."""
-    scene = case.scene
-    ceiling, strength, rounded_highlight = max(scene.background), 0.0, 0.0
-    for index, obj in enumerate(scene.objects):
-        m = materials[obj.material]
-        glow = max(e + a * light for e, a, light in zip(m.emission, m.ambient, scene.ambient, strict=True))
-        reflecting = max(d + s for d, s in zip(m.diffuse, m.specular, strict=True))
-        arriving = sum(lamp.irradiance[index] for lamp in lights)
-        ceiling, strength = max(ceiling, glow + arriving * reflecting), max(strength, reflecting)
-        if float(np.float32(m.exponent)) != m.exponent:
-            rounded_highlight = max(rounded_highlight, arriving * max(m.specular))
-    used = [materials[name] for name in {obj.material for obj in scene.objects}]
-    meshes = {str(index): vars(mesh_accuracy(mesh, matrix(scene.objects[index]))) for index, mesh in case.meshes.items()}
-    return {
-        "width": scene.film.width,
-        "height": scene.film.height,
-        "ceiling": float(ceiling),
-        "strength": float(strength),
-        "rounded_highlight": float(rounded_highlight),
-        "layered": any(texture(m).layered for m in used),
-        "glowing": any(any(m.ambient) or any(m.emission) for m in used),
-        "sources": sum(lamp.sources for lamp in lights),
-        "fading": max([lamp.relative for lamp in lights], default=0.0),
-        "cancelled": float(np.sum([lamp.cancelled for lamp in lights]) * strength),
-        "film_px": frame.film_px,
-        "meshes": meshes,
-    }
