@@ -21,7 +21,7 @@ ENTRY = "scene.py"
 
 def refuse_what_is_missing(case: Case, expressed: Collection[str], lack_causes: Mapping[str, str], renderer: str) -> None:
     """Raise Unsupported naming every feature that is neither expressed nor has a cause that stands for its lack."""
-    missing = [feature for feature in case.requires if feature not in expressed and feature not in lack_causes]
+    missing = [feature for feature in case.demands if feature not in expressed and feature not in lack_causes]
     if missing:
         raise Unsupported(missing, f"{renderer} cannot express {', '.join(missing)}")
 

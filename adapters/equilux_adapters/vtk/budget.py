@@ -13,9 +13,9 @@ import numpy as np
 
 from equilux.adapter import Bound, Budget, Case, Geometric
 from equilux_adapters._triangles.bounds import U, view_of
-from equilux_adapters._triangles.extent import reach_of
+from equilux_adapters._triangles.displaced import reaches, set_back_of
 from equilux_adapters.vtk.bounds_flat import horizon_of
-from equilux_adapters.vtk.geometry import geometry_of, light_reach, set_back_of
+from equilux_adapters.vtk.geometry import geometry_of
 from equilux_adapters.vtk.knobs import VtkKnobs
 from equilux_scenes.model import SpotLight
 
@@ -44,21 +44,16 @@ likewise of a light's position."""
 def facts_of(case: Case, knobs: VtkKnobs) -> dict[str, Any]:
     """JSON: what `budget_of` needs to know of the case; it travels with the program."""
     scene = case.scene
-    facts: dict[str, Any] = {"facets": geometry_of(case, knobs), "set_back_m": set_back_of(case, knobs)}
+    segments = [knobs.tessellation] * len(scene.objects)
+    facts: dict[str, Any] = {"facets": geometry_of(case, knobs), "set_back_m": set_back_of(case, segments)}
     facts["lights"] = len(scene.lights)
     exponents = [scene.materials[obj.material].exponent for obj in scene.objects if any(scene.materials[obj.material].specular)]
     exponents += [light.exponent for light in scene.delta_lights.values() if isinstance(light, SpotLight)]
     facts["exponent"] = max((min(exponent, 128.0) for exponent in exponents), default=0.0)  # Q5, Q7
-    facts["reach_m"] = _reach(case)
+    facts["reach_m"] = reaches(case)
     facts["cone_px"] = _cone_px(case)
     facts["horizon"] = horizon_of(case) if facts["reach_m"] else 0.0
     return facts
-
-
-def _reach(case: Case) -> dict[str, float]:
-    """Per object, the distance from the eye that rounding of its positions is relative to."""
-    farthest = light_reach(case)
-    return {str(index): min(reach_of(case, index), farthest) for index in range(len(case.scene.objects))} if farthest else {}
 
 
 def _cone_px(case: Case) -> float:

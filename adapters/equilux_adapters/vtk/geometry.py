@@ -4,20 +4,16 @@ from __future__ import annotations
 
 from typing import Any
 
-import numpy as np
-
 from equilux.adapter import Case
 from equilux_adapters._triangles.bounds import Bounds, largest_factor, view_of
-from equilux_adapters._triangles.clip import in_frame
-from equilux_adapters._triangles.coincident import set_backs
-from equilux_adapters._triangles.depth import set_back
+from equilux_adapters._triangles.displaced import light_reach
 from equilux_adapters._triangles.drawing import build
 from equilux_adapters._triangles.extent import enclosure
 from equilux_adapters._triangles.round import film_scale
 from equilux_adapters._triangles.view import View
 from equilux_adapters.vtk import bounds_flat, bounds_round
 from equilux_adapters.vtk.knobs import VtkKnobs
-from equilux_scenes.model import Cylinder, DirectionalLight, Disc, Sphere, SpotLight
+from equilux_scenes.model import Cylinder, Disc, Sphere, SpotLight
 from equilux_scenes.transforms import matrix
 
 
@@ -34,17 +30,6 @@ def geometry_of(case: Case, knobs: VtkKnobs) -> dict[str, Any]:
         "position_m": {str(index): found.position_m for index, found in bounds.items() if found.position_m > 0},
         "film_px": cones + max((found.film_px for found in bounds.values()), default=0.0),
     }
-
-
-def light_reach(case: Case) -> float:
-    """How far from the eye, in metres, positions matter; 0 where no light is at a point.
-
-    Beyond twice the distance of the farthest light from the eye, a light is at least half as far from a point as the eye is, and
-    rounding of the position changes the light's distance and direction by less than what is stated for directions anyway.
-    """
-    eye = np.asarray(case.scene.camera.eye)
-    lights = [light for light in case.scene.delta_lights.values() if not isinstance(light, DirectionalLight)]
-    return max((2 * float(np.linalg.norm(np.asarray(light.position) - eye)) for light in lights), default=0.0)
 
 
 def bounds_of(case: Case, view: View, index: int, knobs: VtkKnobs, reach_m: float) -> Bounds:
@@ -70,19 +55,3 @@ def _pixels_per_metre(case: Case, view: View, index: int) -> float:
     placed = matrix(case.scene.objects[index])
     world = points @ placed[:3, :3].T + placed[:3, 3]
     return film_scale(view, None, world, around * largest_factor(placed)).large if len(points) else 0.0
-
-
-def set_back_of(case: Case, knobs: VtkKnobs) -> dict[str, float]:
-    """How far, in metres, coincident objects are drawn from where they are, per object index (as text); see
-    `kit.depth.set_back`."""
-    steps = set_backs(case)
-    if not any(steps):
-        return {}
-    view = view_of(case.scene.camera, case.scene.film)
-    meshes = [build(case, index, view, knobs.tessellation) for index in range(len(steps))]
-    moved = set_back(view, meshes, steps)
-    return {
-        str(index): float(np.max(np.linalg.norm(after.points - in_frame(view, before).points, axis=1), initial=0.0))
-        for index, (before, after) in enumerate(zip(meshes, moved, strict=True))
-        if steps[index]
-    }
