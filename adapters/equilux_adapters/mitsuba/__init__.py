@@ -1,47 +1,67 @@
-"""Mitsuba 3 as the physical laboratory."""
+"""Mitsuba 3: a physically based renderer, the laboratory for the reflection equation."""
 
 from __future__ import annotations
 
-import importlib.metadata
-import importlib.util
 from collections.abc import Mapping
+from importlib import metadata
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import ClassVar
 
-from equilux.adapter import API_VERSION, Capability, Limits, Probe, Program, RawRender, Reading, RendererFailed
-from equilux.adapter import Knobs as BaseKnobs
-from equilux_scenes.case import Case
+from equilux.adapter import API_VERSION, Capability, Case, Knobs, Limits, Probe, Program, RawRender, Reading
+from equilux_adapters.mitsuba.knobs import MitsubaKnobs
 
 __all__ = ["ADAPTER", "MitsubaAdapter"]
 
 
 class MitsubaAdapter:
-    """Not yet able to render anything."""
+    """See `equilux.adapter.Adapter`. Everything that needs NumPy or Mitsuba is imported when it is called for."""
 
     name = "mitsuba"
     api_version = API_VERSION
-    Knobs: ClassVar[type[BaseKnobs]] = BaseKnobs
+    Knobs: ClassVar[type[Knobs]] = MitsubaKnobs
     workers_per_core: ClassVar[float] = 1.0
     lack_causes: ClassVar[Mapping[str, str]] = {}
 
     def version(self) -> str:
-        return f"mitsuba {importlib.metadata.version('mitsuba')}"
+        """The versions of the installed packages, e.g. `3.9.1, drjit 1.5.0`."""
+        return f"{metadata.version('mitsuba')}, drjit {metadata.version('drjit')}"
 
     def probe(self) -> Probe:
-        found = importlib.util.find_spec("mitsuba") is not None
-        return Probe(found, "the package mitsuba" if found else "the package mitsuba is not installed (equilux[mitsuba])")
+        """Whether the packages are installed and LLVM lies where it usually does; nothing is loaded."""
+        from equilux_adapters.mitsuba.library import ENVIRONMENT, OLDEST, find_llvm
+
+        try:
+            version = self.version()
+        except metadata.PackageNotFoundError:
+            return Probe(False, "the Python package mitsuba is not installed (pip install 'equilux[mitsuba]')")
+        llvm = find_llvm()
+        if llvm is None:
+            return Probe(False, f"no libLLVM of version {OLDEST} or newer (Debian: libllvm19; {ENVIRONMENT} says where)")
+        return Probe(True, f"mitsuba {version}, {llvm}")
 
     def capabilities(self) -> Mapping[str, Capability]:
-        return {}
+        """Feature → capability."""
+        from equilux_adapters.mitsuba.capabilities import CAPABILITIES
 
-    def translate(self, case: Case, knobs: Any) -> Program:
-        raise NotImplementedError
+        return CAPABILITIES
 
-    def render(self, program: Program, program_dir: Path, workdir: Path, limits: Limits, knobs: Any) -> RawRender:
-        raise RendererFailed("not implemented")
+    def translate(self, case: Case, knobs: MitsubaKnobs) -> Program:
+        """Scene → stand-alone script."""
+        from equilux_adapters.mitsuba.translate import translate
 
-    def read(self, raw: RawRender, program: Program, knobs: Any) -> Reading:
-        raise RendererFailed("not implemented")
+        return translate(case, knobs)
+
+    def render(self, program: Program, program_dir: Path, workdir: Path, limits: Limits, knobs: MitsubaKnobs) -> RawRender:
+        """Run the script in this process."""
+        from equilux_adapters.mitsuba.render import render
+
+        return render(program, program_dir, workdir, limits, knobs)
+
+    def read(self, raw: RawRender, program: Program, knobs: MitsubaKnobs) -> Reading:
+        """The picture and its budget."""
+        from equilux_adapters.mitsuba.read import read
+
+        return read(raw, program, knobs)
 
 
 ADAPTER = MitsubaAdapter()

@@ -1,0 +1,220 @@
+"""The uncertainty budget of a script's picture. u = 2^-24, half a unit in the last place of single precision.
+
+Constants are derived, not fitted: each says from what; tests show that none is exceeded.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from equilux.adapter import Bound, Budget, Case, Geometric, Sampled
+from equilux_adapters.mitsuba.geometry import curvature_of, enclosure_of, reach_of, thinness_of
+from equilux_adapters.mitsuba.shapes import PLANE_RADIUS
+from equilux_scenes.model import DeltaLight, DirectionalLight, Emitter, Material, Plane, Scene, SpotLight
+
+Floats = npt.NDArray[np.float64]
+
+U = 2.0**-24
+
+RAY_EPSILON = 1500 * U
+"""By how much, times 1 + the largest coordinate, Mitsuba moves a shadow ray's origin along the normal (Q9)."""
+
+POSITION_ROUNDINGS = 8
+"""Of a point seen, relative to the scene's reach: the ray's origin and direction (2), the distance (3), going there (1), putting
+the point back onto the surface (2)."""
+
+DIRECTION_ROUNDINGS = 8
+"""Of a cosine between directions: three differences, products and sums made unit (2 each for two vectors), in a rounded
+frame (2 more), and their sum of products (2)."""
+
+VALUE_ROUNDINGS = 32
+"""Of a sample's factors and of the mean: coefficient and π (4), radiance or intensity (2), attenuation (6), density and weight of
+both ways of sampling (12), the mean of up to 2^16 samples by halves (8)."""
+
+NO_SURFACE = {"diffuse": [0.0] * 3, "specular": [0.0] * 3, "exponent": 0.0, "curvature": 0.0, "thinness": 0.0}
+
+STEEPEST = 4.0
+"""Tangent of the incidence up to which the shift of shadows by the moved origin is stated: 76°, beyond which less than a
+quarter of the light arrives."""
+
+__all__ = ["budget_of", "facts_of", "reach_of"]
+
+
+def facts_of(case: Case) -> dict[str, Any]:
+    """JSON: what `budget_of` needs to know of the case; it travels with the program."""
+    scene = case.scene
+    cones = [light.cone_half_angle_deg for light in scene.lights.values() if isinstance(light, SpotLight)]
+    return {
+        "reach_m": reach_of(case),
+        "delta_lights": [_delta(light) for light in scene.delta_lights.values()],
+        "emitters": [_extended(light) for light in scene.lights.values() if isinstance(light, Emitter)],
+        "environment": list(scene.environment.radiance) if scene.environment else [0.0, 0.0, 0.0],
+        "surfaces": [_surface(case, index) for index in range(len(scene.objects))],
+        "view": _view(scene),
+        "occlusion": "occlusion" in case.requires,
+        "plane": any(isinstance(obj, Plane) for obj in scene.objects),
+        "sine_of_cone": math.sin(math.radians(min(cones))) if cones else None,
+    }
+
+
+def _delta(light: DeltaLight) -> dict[str, Any]:
+    """At a point, or (position null) at infinity, where the strength is the irradiance."""
+    if isinstance(light, DirectionalLight):
+        return {"position": None, "strength": list(light.irradiance), "attenuation": [1.0, 0.0, 0.0], "exponent": 0.0}
+    terms = light.attenuation
+    return {
+        "position": list(light.position),
+        "strength": list(light.intensity),
+        "attenuation": [terms.constant, terms.linear, terms.quadratic],
+        "exponent": light.exponent if isinstance(light, SpotLight) else 0.0,
+    }
+
+
+def _extended(light: Emitter) -> dict[str, Any]:
+    """A sphere around it; around (centre null) the environment all else."""
+    center, radius = enclosure_of(light)
+    return {"center": center, "radius": radius, "radiance": list(light.radiance)}
+
+
+def _surface(case: Case, index: int) -> dict[str, Any]:
+    material: Material = case.scene.materials[case.scene.objects[index].material]
+    shines = material.brdf != "lambert" and any(material.specular)
+    return {
+        "diffuse": list(material.diffuse),
+        "specular": list(material.specular) if shines else [0.0, 0.0, 0.0],
+        "exponent": material.exponent if shines else 0.0,
+        "curvature": curvature_of(case, index),
+        "thinness": thinness_of(case, index),
+    }
+
+
+def _view(scene: Scene) -> dict[str, Any]:
+    camera, film = scene.camera, scene.film
+    parallel = camera.projection == "orthographic"
+    half_height = camera.height_m / 2 if camera.projection == "orthographic" else math.tan(math.radians(camera.fov_y_deg) / 2)
+    return {"eye": list(camera.eye), "parallel": parallel, "pixels_per_unit": film.height / (2 * half_height)}
+
+
+def budget_of(facts: Mapping[str, Any], picture: Mapping[str, npt.NDArray[Any]], repeats: int) -> Budget:
+    """The terms, from the facts of the case and from what the picture shows where."""
+    seen = _Seen(facts, picture)
+    terms: list[Bound | Geometric | Sampled] = []
+    if facts["emitters"]:
+        reason = f"{repeats} independent repeats of a stratified estimate by emitter and BSDF sampling (Q2, Q3)"
+        terms.append(Sampled("sampling", reason, sigma=picture["sigma"], repeats=repeats))
+    reason = "single precision: of factors (relative) and of the cosines of the directions in them (Q1)"
+    terms.append(Bound("arithmetic", reason, abs=_of_cosines(facts, seen), rel=VALUE_ROUNDINGS * U))
+    if facts["occlusion"]:
+        reason = "shadow rays start RayEpsilon off the surface: shadows are displaced, by so much on the film (Q9)"
+        terms.append(Bound("ray offset", reason, abs=seen.shadow_px[..., None] * _local_range(picture)))
+    if facts["plane"] and any(facts["environment"]):
+        reason = "the disc in place of the plane ends, and light comes from beyond it (Q11)"
+        strip = 2 * math.pi / PLANE_RADIUS * (seen.diffuse + seen.specular) * facts["environment"]
+        terms.append(Bound("finite plane", reason, abs=strip))
+    reason = "rays and shapes in single precision (Q1), hard shadows displaced (Q9)"
+    terms.append(Geometric("film", reason, film_px=_film_px(facts, seen)))
+    return Budget(tuple(terms))
+
+
+class _Seen:
+    """What each pixel shows: arrays (h, w) or (h, w, 3); 0 where it is not an object."""
+
+    def __init__(self, facts: Mapping[str, Any], picture: Mapping[str, npt.NDArray[Any]]) -> None:
+        number = picture["object"]
+        self.is_object = number >= 0
+        self.position: Floats = np.where(self.is_object[..., None], picture["position"], 0.0)
+        surfaces = [*facts["surfaces"], NO_SURFACE]
+        index = np.where(self.is_object, number, len(surfaces) - 1)
+
+        def of_surface(key: str) -> Floats:
+            return np.array([surface[key] for surface in surfaces], dtype=np.float64)[index]
+
+        self.diffuse, self.specular, self.exponent = of_surface("diffuse"), of_surface("specular"), of_surface("exponent")
+        largest = np.abs(self.position).max(axis=-1)
+        view = facts["view"]
+        away = np.linalg.norm(self.position - view["eye"], axis=-1)
+        self.away = np.where(self.is_object, away, math.inf)
+        self.position_m = POSITION_ROUNDINGS * U * np.maximum(largest, facts["reach_m"])
+        # seen at a grazing angle, an error across the ray moves the point along it by 1/cos as much
+        slide = self.position_m / np.maximum(picture["facing"], math.sqrt(U))
+        of_corners = 2 * U * facts["reach_m"] * of_surface("thinness")
+        self.normal = DIRECTION_ROUNDINGS * U + slide * of_surface("curvature") + of_corners
+        self.pixels_per_m = view["pixels_per_unit"] / (1.0 if view["parallel"] else self.away)
+        self.shadow_px = np.where(self.is_object, RAY_EPSILON * (1 + largest) * STEEPEST * self.pixels_per_m, 0.0)
+
+
+def _of_cosines(facts: Mapping[str, Any], seen: _Seen) -> Floats:
+    """(h, w, 3), W/(m²·sr): the light that arrives, times what an error of its direction or of the normal does to K cosθ and to
+    K (R·V)^p; the lobe's slope is at most p, and R turns twice as far as N."""
+    total = np.zeros(seen.diffuse.shape)
+    for light in facts["delta_lights"]:
+        constant, linear, quadratic = light["attenuation"]
+        if light["position"] is None:
+            away = np.full(seen.away.shape, math.inf)
+            strength = np.ones(seen.away.shape)
+        else:
+            away = np.maximum(np.linalg.norm(seen.position - light["position"], axis=-1), np.finfo(float).tiny)
+            strength = 1 / (constant + away * (linear + away * quadratic))
+        turn = seen.normal + DIRECTION_ROUNDINGS * U + seen.position_m / away
+        turn_of_lobe = np.minimum(seen.exponent * (2 * turn + seen.position_m / seen.away), 1.0)
+        nearer = (2 + light["exponent"]) * (seen.position_m / away + DIRECTION_ROUNDINGS * U * (light["exponent"] > 0))
+        effect = seen.diffuse * (turn + nearer)[..., None] + seen.specular * (turn_of_lobe + turn + nearer)[..., None]
+        total += effect * strength[..., None] * light["strength"]
+    for light in facts["emitters"]:
+        turn = seen.normal + DIRECTION_ROUNDINGS * U
+        angle = _solid_angle(light, seen)
+        # over the hemisphere the lobe's slope p (R·V)^(p-1) integrates to 2π
+        of_lobe = 2 * np.minimum(2 * math.pi, angle * np.maximum(seen.exponent, 1.0))
+        total += (seen.diffuse * angle[..., None] + seen.specular * of_lobe[..., None]) * turn[..., None] * light["radiance"]
+    return np.where(seen.is_object[..., None], total, 0.0)
+
+
+def _solid_angle(light: Mapping[str, Any], seen: _Seen) -> Floats:
+    """(h, w), sr: of the sphere around an emitter, at most a hemisphere. The density of a small sphere's cone, 1 − cos, is itself
+    off by 2 u: what that makes of the radiance is the same as a turn by 2 u of a cosine over 2π (Q4)."""
+    if light["center"] is None:
+        return np.full(seen.away.shape, 2 * math.pi)
+    away = np.linalg.norm(seen.position - light["center"], axis=-1)
+    sine = np.minimum(light["radius"] / np.maximum(away, light["radius"]), 1.0)
+    return np.asarray(2 * math.pi * (1 - np.sqrt(1 - sine**2)))
+
+
+def _local_range(picture: Mapping[str, npt.NDArray[Any]]) -> Floats:
+    """(h, w, 3): by how much radiance differs among the 3×3 pixels around, as far as they show the same object."""
+    image, number = picture["image"], picture["object"]
+    least, most = image.copy(), image.copy()
+    height, width = number.shape
+    framed = np.pad(image, ((1, 1), (1, 1), (0, 0)), mode="edge")
+    numbers = np.pad(number, 1, mode="edge")
+    for row in range(3):
+        for column in range(3):
+            beside = framed[row : row + height, column : column + width]
+            same = (numbers[row : row + height, column : column + width] == number)[..., None]
+            least = np.minimum(least, np.where(same, beside, least))
+            most = np.maximum(most, np.where(same, beside, most))
+    return np.asarray(most - least)
+
+
+def _film_px(facts: Mapping[str, Any], seen: _Seen) -> float:
+    """How far a silhouette, a hard shadow or the border of a cone may be displaced on the film."""
+    view = facts["view"]
+    scale = view["pixels_per_unit"]
+    shown = np.where(seen.is_object, seen.position_m * seen.pixels_per_m, 0.0)
+    rays = float(np.max(shown, initial=0.0)) + (0.0 if view["parallel"] else DIRECTION_ROUNDINGS * U * scale)
+    horizon = scale / PLANE_RADIUS if facts["plane"] and not view["parallel"] else 0.0
+    shadows = float(np.max(seen.shadow_px, initial=0.0)) if facts["occlusion"] and facts["delta_lights"] else 0.0
+    return rays + horizon + shadows + _cone_px(facts, seen)
+
+
+def _cone_px(facts: Mapping[str, Any], seen: _Seen) -> float:
+    """The cosine is off by some u, the angle by that over its sine, the border by that times the light's distance."""
+    if facts["sine_of_cone"] is None:
+        return 0.0
+    angle = DIRECTION_ROUNDINGS * U / facts["sine_of_cone"]
+    spots = [np.linalg.norm(seen.position - light["position"], axis=-1) for light in facts["delta_lights"] if light["position"]]
+    return max(float(np.max(np.where(seen.is_object, angle * away * seen.pixels_per_m, 0.0), initial=0.0)) for away in spots)
