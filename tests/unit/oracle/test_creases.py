@@ -20,6 +20,7 @@ objects:
   - {kind: rectangle, corner: [-1, 2, -199], edge_u: [2, 0, 0], edge_v: [0, 0, 200], material: m}
   - {kind: rectangle, corner: [-1, 0, 1], edge_u: [0, 0, -200], edge_v: [0, 2, 0], material: m}
   - {kind: rectangle, corner: [1, 0, -199], edge_u: [0, 0, 200], edge_v: [0, 2, 0], material: m}
+  - {kind: rectangle, corner: [-1, 0, -199], edge_u: [2, 0, 0], edge_v: [0, 2, 0], material: m}
 """
 
 
