@@ -53,7 +53,7 @@ class OracleAdapter:
     def read(self, raw: RawRender, program: Program, knobs: Any) -> Reading:
         from equilux_adapters.oracle.read import reading
 
-        return reading(raw)
+        return reading(raw, program)
 
 
 ADAPTER = OracleAdapter()

@@ -1,4 +1,4 @@
-"""What has a closed form: all of model `phong` but triangle meshes."""
+"""What has a closed form: everything but triangle meshes."""
 
 from __future__ import annotations
 

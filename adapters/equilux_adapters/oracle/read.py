@@ -2,20 +2,33 @@
 
 from __future__ import annotations
 
+import json
+
 import numpy as np
 
-from equilux.adapter import Bound, Budget, RawRender, Reading
+from equilux.adapter import Bound, Budget, Program, RawRender, Reading
 from equilux_adapters.oracle.render import BOUND, RADIANCE
 
-REASON = (
+_LOCAL = (
     "Rounding of the closed form's evaluation, first order in u = 2^-53 and a tenth more; geometry is exact (double-double) "
-    "and rounded once. 2 u (K_emit + K_amb L_amb) + u Σ E_i [(e_i + 12) K_diff + (e_i + 6 + 34 s(p)) K_spec] + u L, "
-    "where e_i (0 to 9, and the spot's) is the light's own error "
-    "and s(p) = √p ((p−1)/p)^((p−1)/2) is how much the highlight feels a direction's."
+    "and rounded once. 2 u (K_emit + K_amb L_amb) + u Σ E_i [(e_i + 12) K_diff + (e_i + 6 + k s(p)) K_spec] + u L, "
+    "where e_i (0 to 9, and the spot's) is the light's own error, s(p) = √p ((p−1)/p)^((p−1)/2) is how much the highlight feels a "
+    "direction's, and k is "
 )
 
+REASONS = {
+    "phong": _LOCAL + "34.",
+    "opengl": _LOCAL + "4; and each light's ambient share, (e_i + 4) u.",
+    "raytraced": _LOCAL
+    + "34 in front and 4 behind; e_i has 3 more for 1 − t or t, and 4 for each transparent object on the light's way. Summed over "
+    "the surfaces that the paths meet with their weights w, + 3 u w L per bounce and u L per term; + what the rounding of "
+    "geometry, 2^-96 and magnified by every bounce (ray_errors.py), makes of each.",
+    "reflection-equation": "Rounding of the closed form's evaluation and of its quadrature, as stated by equilux_oracle.emitters.",
+}
 
-def reading(raw: RawRender) -> Reading:
+
+def reading(raw: RawRender, program: Program) -> Reading:
     """The picture with its one term, `arithmetic`."""
-    bound = Bound("arithmetic", REASON, abs=np.load(raw.files[BOUND]))
+    model = json.loads(program.files[program.entry])["model"]
+    bound = Bound("arithmetic", REASONS[model], abs=np.load(raw.files[BOUND]))
     return Reading(np.load(raw.files[RADIANCE]), Budget((bound,)))

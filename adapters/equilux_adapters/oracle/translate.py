@@ -12,9 +12,10 @@ COMMAND = f"python -m equilux_oracle {SCENE_FILE} radiance.npy bound.npy\n"
 
 
 def program_of(case: Case) -> Program:
-    """The scene without what does not change its picture. Raises Unsupported for a mesh."""
-    lacking = equilux_oracle.supports(case)
+    """The scene without what does not change its picture. Raises Unsupported for a mesh, and for too many rays (Q7)."""
+    lacking = equilux_oracle.lacking(case)
     if lacking:
-        raise Unsupported(lacking, f"no closed form for {', '.join(lacking)}")
+        features = sorted(lacking)
+        raise Unsupported(features, f"no closed form for {', '.join(features)}: {'; '.join(sorted(set(lacking.values())))}")
     text = case.scene.model_dump_json(indent=1, exclude={"about", "sweep", "expect"}, exclude_defaults=True, exclude_none=True)
     return Program({SCENE_FILE: (text + "\n").encode(), COMMAND_FILE: COMMAND.encode()}, SCENE_FILE)
