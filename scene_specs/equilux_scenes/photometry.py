@@ -19,7 +19,7 @@ from equilux_scenes.spectra import luminosity_over
 from equilux_scenes.spectral_data import Floats
 
 K_M = 683.002
-"""K_m, lm/W: 683 at 540 THz, which is 555.016 nm, referred to the peak of V(λ)."""
+"""K_m, lm/W: 683 at 540 THz, which is 555.016 nm in air, referred to the peak of V(λ) at 555 nm."""
 
 K_M_OF_THE_LECTURE = 684.0
 """0.146 % more; a scene may choose it."""

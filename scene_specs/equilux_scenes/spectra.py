@@ -108,7 +108,7 @@ class Table(Spread):
 
 @dataclass(frozen=True, eq=False)
 class Blackbody(Spread):
-    """Planck's law: B_λ = 2hc²/λ⁵ / (e^(hc/λkT) − 1), here in W/(m² sr nm)."""
+    """Planck's law: B_λ = 2hc²/λ⁵ / (e^(hc/λkT) − 1), here in W/(m² sr nm); as in the CIE's own use, the index of air is 1."""
 
     temperature_k: float
 

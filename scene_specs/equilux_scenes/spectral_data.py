@@ -54,7 +54,10 @@ def matching_functions() -> Sampled:
 @cache
 def illuminant(name: str) -> Sampled:
     """A relative spectral power distribution, as published. Raises SpectraMissing, and KeyError for a name that there is not."""
-    return _sampled(_colorimetry().SDS_ILLUMINANTS[name])
+    known = _colorimetry().SDS_ILLUMINANTS
+    if name not in set(known):  # its own look-up is lenient: d65, FL 1
+        raise KeyError(name)
+    return _sampled(known[name])
 
 
 def illuminant_names() -> Iterable[str]:

@@ -123,6 +123,7 @@ def _of_spectrum(light: Strength, spectrum: Spectrum, key: str | None, units: Un
         raise CannotResolve(("spectrum",), "bands", f" ({failed})") from None
     except KeyError:
         raise CannotResolve(("spectrum", "illuminant"), *_known(str(spectrum.illuminant))) from None
+    scale = _scale(light, spectrum, density, key, units)
     if (bands < -ROUNDING * bands.max()).any():
         names = [name for name, value in zip("RGB", bands, strict=True) if value < -ROUNDING * bands.max()]
         raise CannotResolve(
@@ -130,7 +131,7 @@ def _of_spectrum(light: Strength, spectrum: Spectrum, key: str | None, units: Un
             "one inside the colours of Rec.709",
             f" (band {' and '.join(names)} would be negative; intervals of wavelengths can hold it: bands: {{intervals_nm: …}})",
         )
-    return np.maximum(bands, 0.0) * _scale(light, spectrum, density, key, units)
+    return np.maximum(bands, 0.0) * scale
 
 
 def _scale(light: Strength, spectrum: Spectrum, density: Density, key: str | None, units: Units) -> float:
