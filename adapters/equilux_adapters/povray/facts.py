@@ -9,13 +9,14 @@ from typing import Any
 import numpy as np
 
 from equilux_adapters.povray import distances
-from equilux_adapters.povray.frame import Frame
+from equilux_adapters.povray.frame import Frame, view
 from equilux_adapters.povray.lights import Lamp
 from equilux_adapters.povray.materials import Coefficients
 from equilux_adapters.povray.media import INDEX_STEP, Media, crossings
 from equilux_adapters.povray.meshes import OBLIQUE, mesh_accuracy
 from equilux_adapters.povray.textures import texture
 from equilux_scenes.case import Case
+from equilux_scenes.model import Plane
 from equilux_scenes.transforms import matrix
 
 BOUNDLESS = 1e30  # where weights above 1 multiply beyond all use
@@ -56,6 +57,7 @@ def facts(
         "meshes": meshes,
         "refraction": {str(index): _as_normal(error, used[index].ior) for index, error in insides.index_error.items() if error},
         "straight_m": _sideways(case, insides),
+        "straight_px": _horizon_px(case, insides),
     }
 
 
@@ -111,3 +113,12 @@ def _sideways(case: Case, insides: Media) -> float:
     hulls = [hull for index in range(len(case.scene.objects)) if (hull := distances.extremes(case, index)) is not None]
     reach = max([float(np.linalg.norm(hull - eye, axis=1).max()) for hull in hulls], default=1.0)
     return INDEX_STEP * OBLIQUE * reach
+
+
+def _horizon_px(case: Case, insides: Media) -> float:
+    """How far, pixels, the horizon of a transparent plane moves: leaving an index a step above 1, light is totally reflected
+    below the angle √(2 step) (Q34).
+    """
+    if not any(isinstance(case.scene.objects[index], Plane) for index in insides.shared):
+        return 0.0
+    return view(case).film_px(math.sqrt(2.0 * INDEX_STEP))

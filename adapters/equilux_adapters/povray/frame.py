@@ -92,11 +92,15 @@ def _film_height(camera: Camera) -> float:
 
 @dataclass(frozen=True)
 class _Seen:
-    """An object as the eye sees it: a lower bound of its distance (orthographic: 1); points that enclose it if it is finite."""
+    """An object as the eye sees it: a lower bound of its distance (orthographic: 1); points that enclose it if it is finite.
+
+    height: of a plane, the largest distance from it of any part of the scene that it may be seen from.
+    """
 
     obj: Object
     distance: float
     hull: Vector | None
+    height: float
 
 
 def choose(case: Case) -> Frame:
@@ -125,7 +129,15 @@ def choose(case: Case) -> Frame:
 
 def _seen(case: Case, camera: View, index: int) -> _Seen:
     distance = distances.nearest(case, index, camera.eye) if camera.perspective else 1.0
-    return _Seen(case.scene.objects[index], distance, distances.extremes(case, index))
+    obj = case.scene.objects[index]
+    height = _height(case, index, camera.eye) if isinstance(obj, Plane) else 0.0
+    return _Seen(obj, distance, distances.extremes(case, index), height)
+
+
+def _height(case: Case, plane: int, eye: Vector) -> float:
+    hulls = [distances.extremes(case, index) for index in range(len(case.scene.objects))]
+    points = np.concatenate([eye[None], *(hull for hull in hulls if hull is not None)])
+    return max(distances.nearest(case, plane, point) for point in points)
 
 
 def _hit_range(camera: View, objects: Sequence[_Seen]) -> tuple[float, float]:
@@ -170,7 +182,7 @@ def _silhouette_error(camera: View, origin: Vector, scale: float, seen: _Seen, d
     if isinstance(obj, Plane):
         # beyond PLANE_DEPTH the plane ends, before the horizon; the angle left is at most height / depth. Of parallel rays only
         # mirrored ones see a horizon, and that angle moves what they see by as many metres as it lies off
-        angle = distance * scale / PLANE_DEPTH
+        angle = (seen.height if secondary else distance) * scale / PLANE_DEPTH
         return camera.film_px(angle) if camera.perspective or secondary else 0.0
     # every other shape is clipped by a float32 bounding box: of two slabs each distance (b − o)/d takes three roundings, 6 in
     # all, and b and o themselves are rounded; distances differing by a share ε tilt the ray by ½ sin 2θ ε ≤ ε/2

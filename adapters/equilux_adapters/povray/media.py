@@ -22,8 +22,8 @@ INDEX_STEP = 2.0**-23
 class Media:
     """What is written of the insides of objects.
 
-    modifiers: object → its own modifiers. shared: objects whose index is 1 and whose crossings must count, and which therefore share
-    one `interior`. index_error: object → relative error of its index of refraction as stored.
+    modifiers: object → its own modifiers. shared: objects whose index is 1 and whose crossings must count, and which share one
+    `interior` therefore. index_error: object → relative error of its index of refraction as stored.
     """
 
     modifiers: dict[int, list[str]] = field(default_factory=dict)

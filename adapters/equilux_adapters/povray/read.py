@@ -52,7 +52,7 @@ def _terms(facts: Any, used: npt.NDArray[np.float64]) -> Iterator[Term]:
                         normal={int(index): tilt for index, tilt in facts["refraction"].items()})
     if facts["straight_m"]:
         yield Geometric("straight-through", "where crossings count, index 1 is 1 + 2^-23 and displaces what is behind (Q34)",
-                        position_m=facts["straight_m"])
+                        position_m=facts["straight_m"], film_px=facts["straight_px"])
 
 
 def _arithmetic(facts: Any) -> Bound:
