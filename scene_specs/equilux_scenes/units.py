@@ -218,6 +218,24 @@ def written_strengths(scene: Scene) -> dict[str, str]:
     return {name: text for name, text in texts.items() if text is not None}
 
 
+def worked_out(scene: Scene) -> dict[str, dict[str, list[float]]]:
+    """Light → its bands by their key, of those that are not given by bands."""
+    found = {}
+    for name in written_strengths(scene):
+        key = bands_key(type(scene.lights[name]))
+        found[name] = {key: list(getattr(scene.lights[name], key))}
+    return found
+
+
+def dumped_as_written(scene: Scene) -> dict[str, Any]:
+    """The scene as a JSON-compatible dictionary that is a spec again, every light given by what it was given by."""
+    content = scene.model_dump(mode="json", exclude_none=True)
+    for name, bands in worked_out(scene).items():
+        for key in bands:
+            del content["lights"][name][key]
+    return content
+
+
 def dumped_in_bands(scene: Scene) -> dict[str, Any]:
     """The scene as a JSON-compatible dictionary that is a spec again, every light given by its bands."""
     content = scene.model_dump(mode="json", exclude_none=True)

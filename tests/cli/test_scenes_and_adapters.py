@@ -38,6 +38,36 @@ def test_a_scene_is_shown_with_every_default_filled_in_and_what_it_requires(tiny
     assert shown["cases"] == ["tiny[exponent=1]", "tiny[exponent=10]"]
 
 
+UNITS = """\
+equilux: 1
+name: lamp
+model: phong
+camera: {projection: orthographic, eye: [0, 0, 3], target: [0, 0, 0], height_m: 2}
+film: {width: 4, height: 3}
+k_m: 684
+lights: {k: {kind: point, position: [0, 0, 5], luminous_intensity: 684}}
+materials: {m: {diffuse: 1}}
+objects: [{kind: sphere, center: [0, 0, 0], radius: 1, material: m}]
+sweep: {i: {path: lights.k.luminous_intensity, values: [684, 1368]}}
+"""
+
+
+def test_a_light_in_units_is_shown_as_written_and_in_bands(tmp_path: Path, equilux):
+    spec = tmp_path / "lamp.scene.yaml"
+    spec.write_text(UNITS)
+    said = equilux("scenes", "show", spec).out
+    assert "# light k: intensity [1, 1, 1] W/sr from luminous_intensity 684 cd\n" in said
+    assert "# k_m: 684 lm/W, the lecture's, 0.146 % above the SI's 683.002\n" in said
+    assert [case.canonical() for case in load_scene_text(said).cases] == [
+        case.canonical() for case in load_scene_text(UNITS).cases
+    ]
+    shown = json.loads(equilux("scenes", "show", spec, "--json").out)
+    assert shown["bands"] == {"k": {"intensity": [1, 1, 1]}}
+    _, two = json.loads(equilux("scenes", "expand", spec, "--json").out)
+    assert two["resolved"]["lights"]["k"]["intensity"] == [2, 2, 2]
+    assert two["written"] == {"k": "luminous_intensity 1368 cd"}
+
+
 def test_a_corpus_scene_is_shown_by_name(equilux):
     assert equilux("scenes", "show", "clay-ball").out.startswith("equilux: 1\nname: clay-ball\n")
 

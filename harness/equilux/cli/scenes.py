@@ -10,6 +10,8 @@ from cyclopts import App, Parameter
 
 from equilux.cli import inputs
 from equilux.complaint import BadUsage
+from equilux_scenes.photometry import K_M, k_m_text
+from equilux_scenes.units import UNITS, dumped_as_written, dumped_in_bands, worked_out, written_strengths
 
 Json = Annotated[bool, Parameter(name="--json", negative="")]
 Limit = Annotated[tuple[str, ...], Parameter(name="--limit", negative="")]
@@ -57,7 +59,7 @@ def list_(*scenes: Path, json: Json = False, limit: Limit = ()) -> int:
 
 
 def show(scene: str, /, *, json: Json = False, limit: Limit = ()) -> int:
-    """Show a scene with every default filled in, and the features it requires.
+    """Show a scene with every default filled in, what its lights are in bands, and the features it requires.
 
     Parameters
     ----------
@@ -69,12 +71,19 @@ def show(scene: str, /, *, json: Json = False, limit: Limit = ()) -> int:
         Raise a limit on specs, NAME=VALUE.
     """
     (found,) = inputs.load([_scene_path(scene, limit)], limit, as_json=json)
-    resolved = found.scene.model_dump(mode="json", exclude_none=True)
+    resolved, bands = dumped_as_written(found.scene), worked_out(found.scene)
     requires = sorted({feature for case in found.cases for feature in case.requires})
     if json:
-        inputs.print_json({"scene": resolved, "requires": requires, "cases": [case.name for case in found.cases]})
+        cases = [case.name for case in found.cases]
+        inputs.print_json({"scene": resolved, "bands": bands, "requires": requires, "cases": cases})
         return 0
     sys.stdout.write(_as_yaml(resolved))
+    written = written_strengths(found.scene)
+    for light, values in bands.items():
+        key, (r, g, b) = next(iter(values.items()))
+        sys.stdout.write(f"# light {light}: {key} [{r:.9g}, {g:.9g}, {b:.9g}] {UNITS[key]} from {written[light]}\n")
+    if written or found.scene.k_m != K_M:
+        sys.stdout.write(f"# k_m: {k_m_text(found.scene)}\n")
     sys.stdout.write(f"# requires: {', '.join(requires)}\n")
     for case in found.cases:
         own = sorted(set(case.requires))
@@ -132,7 +141,8 @@ def expand(*scenes: Path, json: Json = False, limit: Limit = ()) -> int:
                     "scene": case.scene_name,
                     "axes": dict(case.axes),
                     "requires": list(case.requires),
-                    "resolved": case.scene.model_dump(mode="json", exclude_none=True),
+                    "resolved": dumped_in_bands(case.scene),
+                    "written": written_strengths(case.scene),
                 }
                 for case in cases
             ]

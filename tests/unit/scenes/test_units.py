@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 import pickle
 from collections.abc import Callable
@@ -17,7 +18,7 @@ from equilux_scenes.model import Scene
 from equilux_scenes.photometry import K_M, REC709_TO_XYZ, luminance_weights
 from equilux_scenes.spectra import Blackbody, Table
 from equilux_scenes.spectral_data import illuminant, matching_functions
-from equilux_scenes.units import dumped_in_bands, written_strengths
+from equilux_scenes.units import dumped_as_written, dumped_in_bands, written_strengths
 
 Load = Callable[..., Any]
 Only = Callable[..., str]
@@ -248,13 +249,13 @@ def test_a_scene_in_units_survives_pickling_and_pydantic(light: str) -> None:
 
 
 @pytest.mark.parametrize("light", ALL)
-def test_the_scene_in_bands_is_a_spec_of_the_same_picture(light: str) -> None:
-    import json
-
+def test_the_scene_in_bands_and_as_written_is_a_spec_of_the_same_picture(light: str) -> None:
     (case,) = load_scene_text(spec(light)).cases
     (again,) = load_scene_text(json.dumps(dumped_in_bands(case.scene))).cases  # JSON is YAML
     assert again.canonical() == case.canonical()
     assert again.scene.lights["k"].spectrum is None
+    (written,) = load_scene_text(json.dumps(dumped_as_written(case.scene))).cases
+    assert written.scene == case.scene
 
 
 def test_units_are_features_that_no_renderer_must_have() -> None:
