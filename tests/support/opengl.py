@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import copy
+import random
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +16,7 @@ from equilux_adapters.opengl import ADAPTER
 from equilux_adapters.opengl.knobs import OpenGLKnobs
 from equilux_scenes.case import Case
 from equilux_tracer import Tracer
+from support.random_scenes import Spec
 from support.vtk import EXACT, Run
 
 
@@ -47,3 +50,20 @@ def against_reference(result: Run) -> PairResult:
 def without_interpolation(result: Run) -> Budget:
     """The budget less the term for lighting at corners."""
     return Budget(tuple(term for term in result.budget.terms if not (isinstance(term, Bound) and term.name == "vertex lighting")))
+
+
+def as_opengl(spec: Spec, seed: int) -> Spec:
+    """A random `phong` scene as an `opengl` one: exponents within the API's range, shares of their own for some lights."""
+    rng, spec = random.Random(f"opengl {seed}"), copy.deepcopy(spec)
+    spec["model"] = "opengl"
+    spec["viewer"] = rng.choice(["local", "infinite"])
+    for material in spec["materials"].values():
+        material["exponent"] = min(material["exponent"], 128.0)
+    for light in spec["lights"].values():
+        light["exponent"] = min(light.get("exponent", 0.0), 128.0)
+        if light["kind"] != "spot":
+            del light["exponent"]
+        for share in ("ambient", "diffuse", "specular"):
+            if rng.random() < 0.5:
+                light[share] = [rng.uniform(0.0, 1.5) for _ in range(3)]
+    return spec

@@ -5,9 +5,10 @@ estimated but worked out, in double, for every triangle that may show at a pixel
 Σ λ_k L(P_k, N_k) against L(P, N) at the point P of the true surface that the same ray meets, λ the perspective barycentric
 coordinates of the centre. That covers curved highlights as well as gates and cones that cross a triangle and are smeared over it.
 
-To that comes what rounding may do: λ is off as if the centre were ε pixels away (`bounds.rounding_px`), so the radiance by ε
-times its slope on the film, Σ |L_k − L̄| / h_k, h_k the triangle's heights; and a corner within rounding of a gate or a cone's
-edge may fall on the other side.
+To that comes what rounding may do. L/w and 1/w, w the depth, are interpolated by planes over the film and divided; each is off as
+if the centre were ε pixels away (`bounds.rounding_px`), so the radiance by ε w (|∇(L/w)| + L |∇(1/w)|), with |∇f| at most
+Σ |f_k − f̄| / h_k, h_k the triangle's heights: much, where one triangle reaches over many octaves of depth. And a corner within
+rounding of a gate or a cone's edge may fall on the other side.
 """
 
 from __future__ import annotations
@@ -31,11 +32,15 @@ NEAR = 1e-3
 
 
 class Shown(NamedTuple):
-    """Pairs of a triangle and a pixel whose centre it may show. pixel: row-major index. weights: λ, (n, 3). heights: of the
-    triangle on the film, pixels, (n, 3). surely: whether it shows there however corners are moved."""
+    """Pairs of a triangle and a pixel whose centre it may show.
+
+    pixel: row-major index. shares: barycentric coordinates on the film, (n, 3). weights: λ, in space. heights: of the triangle on
+    the film, pixels, (n, 3). surely: whether it shows there however corners are moved.
+    """
 
     triangle: npt.NDArray[np.int64]
     pixel: npt.NDArray[np.int64]
+    shares: Floats
     weights: Floats
     heights: Floats
     depth: Floats
@@ -44,8 +49,8 @@ class Shown(NamedTuple):
     def of(self, chosen: npt.NDArray[np.bool_]) -> Shown:
         """Some of the pairs."""
         return Shown(
-            self.triangle[chosen], self.pixel[chosen], self.weights[chosen], self.heights[chosen], self.depth[chosen],
-            self.surely[chosen],
+            self.triangle[chosen], self.pixel[chosen], self.shares[chosen], self.weights[chosen], self.heights[chosen],
+            self.depth[chosen], self.surely[chosen],
         )  # fmt: skip
 
 
@@ -87,7 +92,7 @@ def shown(view: View, mesh: Mesh) -> Shown:
         at = np.sum(shares * depth[mesh.triangles[triangle]], axis=1) if view.parallel else 1 / inverse_depth
         inside = np.min(shares * heights, axis=1)
     reach = GRID_PX * np.sqrt(0.5) * 1.01
-    pairs = Shown(triangle, pixel_xy[:, 1] * view.width + pixel_xy[:, 0], weights, heights, at, inside >= reach)
+    pairs = Shown(triangle, pixel_xy[:, 1] * view.width + pixel_xy[:, 0], shares, weights, heights, at, inside >= reach)
     return pairs.of((inside >= -reach) & np.isfinite(weights).all(axis=1))
 
 
@@ -119,10 +124,19 @@ def departure(
     if true is not None:
         points, normals = on_surface(view, true, points, normals, mesh.normals[corners])
     interpolated = np.einsum("nk,nkd->nd", pairs.weights, radiance)
-    slope = np.sum(np.abs(radiance - radiance.mean(axis=1, keepdims=True)) / pairs.heights[..., None], axis=1)
+    nearness = np.ones((*corners.shape, 1)) if view.parallel else 1 / seen_from(view, mesh.points[used])[inverse, 2:]
+    over = nearness * radiance
+    slope = _slope(over, pairs) + np.abs(interpolated) * _slope(nearness, pairs)
+    slope /= np.abs(np.einsum("nk,nkd->nd", pairs.shares, nearness))
     smeared: Floats = np.abs(interpolated - lit(points, normals, surface, lighting).radiance)
     smeared += np.einsum("nk,nkd->nd", np.abs(pairs.weights), doubt) + rounding_px(view) * slope
     return smeared
+
+
+def _slope(values: Floats, pairs: Shown) -> Floats:
+    """(n, d) of values at corners (n, 3, d), linear over the film: at most so much per pixel."""
+    slope: Floats = np.sum(np.abs(values - values.mean(axis=1, keepdims=True)) / pairs.heights[..., None], axis=1)
+    return slope
 
 
 def on_surface(

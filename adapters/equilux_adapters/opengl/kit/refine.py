@@ -26,8 +26,9 @@ def divided(view: View, mesh: Mesh, triangle_px: float, turn: float) -> Mesh:
     """Halve sides until none is longer than triangle_px on the film, or has normals at its ends that differ by more than `turn`
     (a chord of the unit sphere), unless it is shorter than a sixteenth of triangle_px.
 
-    Whether a side is halved, and where, depends on its ends alone: triangles that share it stay together, no cracks open. Normals
-    are halved as they are, not made unit, which gives in every point the direction that interpolation over the whole gives.
+    Whether a side is halved, and where, depends on its ends alone: triangles that share it stay together, no cracks open. It is
+    halved on the film. Normals are divided as they are, not made unit, which gives in every point the direction that
+    interpolation over the whole gives.
     """
     points, normals, triangles = mesh.points, mesh.normals, mesh.triangles
     film, directions = on_film(view, points), unit_rows(normals)
@@ -43,11 +44,19 @@ def divided(view: View, mesh: Mesh, triangle_px: float, turn: float) -> Mesh:
         middle = np.where(long, len(points) + np.cumsum(long.ravel()).reshape(long.shape) - 1, -1)
         a, b = np.stack(sides, axis=1)[long].T
         triangles = split(triangles[cut], middle[cut])
-        between, normal_between = (points[a] + points[b]) / 2, (normals[a] + normals[b]) / 2
+        w_a, w_b = depths(view, points[a]), depths(view, points[b])
+        between, normal_between = ((of[a] * w_b + of[b] * w_a) / (w_a + w_b) for of in (points, normals))
         points, normals = np.concatenate([points, between]), np.concatenate([normals, normal_between])
         film = np.concatenate([film, on_film(view, between)])
         directions = np.concatenate([directions, unit_rows(normal_between)])
     return replace(mesh, points=points, normals=normals, triangles=np.concatenate([*done, triangles[:0]]))
+
+
+def depths(view: View, points: Array) -> Array:
+    """(n, 1): what points are divided by to get to the film."""
+    if view.parallel:
+        return np.ones((len(points), 1))
+    return np.maximum(seen_from(view, points)[:, 2:], 1e-300)
 
 
 def is_long(film: Array, directions: Array, side: Array, triangle_px: float, turn: float) -> Array:
@@ -68,9 +77,7 @@ def unit_rows(vectors: Array) -> Array:
 
 def on_film(view: View, points: Array) -> Array:
     """(n, 2) pixels from the middle of the film."""
-    across = seen_from(view, points)
-    over = 1.0 if view.parallel else np.maximum(across[:, 2:], 1e-300)
-    return across[:, :2] / over * view.pixels_per_unit
+    return seen_from(view, points)[:, :2] / depths(view, points) * view.pixels_per_unit
 
 
 def split(triangles: Array, middle: Array) -> Array:

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from equilux_adapters._triangles.depth import clipping_range
-from equilux_adapters._triangles.view import Mesh, View
+from equilux_adapters._triangles.view import Mesh, View, seen_from
 from equilux_adapters.opengl.kit.context import started
 
 Array = Any
@@ -78,7 +78,7 @@ def render(scene: Scene) -> Array:
                 set_light(scene.view, number, scene.lights[first + number] if first + number < len(scene.lights) else None)
             for mesh, surface in scene.objects:
                 set_surface(surface, alone)
-                draw(mesh)
+                draw(scene.view, mesh)
             total += read_pixels(scene.view)
     return total.astype(np.float32)
 
@@ -95,7 +95,7 @@ def set_light_model(scene: Scene, alone: float) -> None:
 
 
 def set_light(view: View, number: int, light: Light | None) -> None:
-    """One of the API's lights. Positions go through the modelview matrix of the moment: they are relative to the eye."""
+    """One of the API's lights, in eye coordinates like all that is drawn."""
     from OpenGL import GL
 
     name = GL.GL_LIGHT0 + number
@@ -107,15 +107,24 @@ def set_light(view: View, number: int, light: Light | None) -> None:
     GL.glLightfv(name, GL.GL_DIFFUSE, (*light.diffuse, 1))
     GL.glLightfv(name, GL.GL_SPECULAR, (*light.specular, 1))
     if light.position is None:
-        GL.glLightfv(name, GL.GL_POSITION, (*(-unit(light.direction)), 0))
+        GL.glLightfv(name, GL.GL_POSITION, (*eye_axes(view, -unit(light.direction)), 0))
     else:
-        GL.glLightfv(name, GL.GL_POSITION, (*(np.asarray(light.position) - view.eye), 1))
+        GL.glLightfv(name, GL.GL_POSITION, (*eye_axes(view, np.asarray(light.position) - view.eye), 1))
     for term, value in zip(("CONSTANT", "LINEAR", "QUADRATIC"), light.attenuation, strict=True):
         GL.glLightf(name, getattr(GL, f"GL_{term}_ATTENUATION"), value)
     GL.glLightf(name, GL.GL_SPOT_CUTOFF, light.cutoff_deg)
     GL.glLightf(name, GL.GL_SPOT_EXPONENT, light.exponent)
     if light.cutoff_deg <= 90:
-        GL.glLightfv(name, GL.GL_SPOT_DIRECTION, unit(light.direction))
+        GL.glLightfv(name, GL.GL_SPOT_DIRECTION, eye_axes(view, unit(light.direction)))
+
+
+def eye_axes(view: View, vectors: Array) -> Array:
+    """World axes → the API's eye axes, right, up and against the view, in double: the modelview matrix stays the identity.
+
+    In single precision the matrix would move what is far away by more than a pixel of a narrow view is wide (Q9).
+    """
+    turned = seen_from(view, np.atleast_2d(vectors)) * (1, 1, -1)
+    return turned.reshape(np.shape(vectors))
 
 
 def unit(direction: Array) -> Array:
@@ -135,13 +144,13 @@ def set_surface(surface: Surface, alone: float) -> None:
     GL.glMaterialf(GL.GL_FRONT_AND_BACK, GL.GL_SHININESS, surface.shininess)
 
 
-def draw(mesh: Mesh) -> None:
+def draw(view: View, mesh: Mesh) -> None:
     """A mesh as indexed triangles; rounded to single precision here."""
     from OpenGL import GL
 
     if len(mesh.triangles) == 0:
         return
-    points, normals = (np.ascontiguousarray(values, dtype=np.float32) for values in (mesh.points, mesh.normals))
+    points, normals = (eye_axes(view, values).astype(np.float32) for values in (mesh.points, mesh.normals))
     indices = np.ascontiguousarray(mesh.triangles, dtype=np.uint32)
     GL.glEnableClientState(GL.GL_VERTEX_ARRAY)
     GL.glEnableClientState(GL.GL_NORMAL_ARRAY)
@@ -152,7 +161,7 @@ def draw(mesh: Mesh) -> None:
 
 
 def set_camera(scene: Scene) -> None:
-    """The eye is the origin; the modelview matrix only turns, so that the API's rule "V goes to the origin" is ours."""
+    """The eye is the origin of all coordinates, so that the API's rule "V goes to the origin" is the model's."""
     from OpenGL import GL
 
     view = scene.view
@@ -164,9 +173,7 @@ def set_camera(scene: Scene) -> None:
     GL.glLoadIdentity()
     (GL.glOrtho if view.parallel else GL.glFrustum)(-x, x, -y, y, near, far)
     GL.glMatrixMode(GL.GL_MODELVIEW)
-    turn = np.eye(4)
-    turn[:3, :3] = view.right, view.up, -view.forward
-    GL.glLoadMatrixd(np.ascontiguousarray(turn.T))
+    GL.glLoadIdentity()
     GL.glEnable(GL.GL_DEPTH_TEST)
     GL.glDepthFunc(GL.GL_LESS)  # on equal depth the first object stays
     GL.glEnable(GL.GL_CULL_FACE)  # all show their front, see `towards_eye`
