@@ -56,8 +56,8 @@ def facts(
         "film_px": frame.film_px,
         "meshes": meshes,
         "refraction": {str(index): _as_normal(error, used[index].ior) for index, error in insides.index_error.items() if error},
-        "straight_m": _sideways(case, insides),
-        "straight_px": _horizon_px(case, insides),
+        "turned_px": _turned_px(case, insides),
+        "horizon_px": _horizon_px(case, insides),
     }
 
 
@@ -105,19 +105,21 @@ def _as_normal(error: float, ior: float) -> float:
     return error * float(max(ratios))
 
 
-def _sideways(case: Case, insides: Media) -> float:
-    """How far, metres, a ray is displaced where an index is a step from 1: by tan θ of the step for every metre it goes on."""
+def _turned_px(case: Case, insides: Media) -> float:
+    """How far, pixels, a ray that goes through an index a step from 1 is turned: by tan θ of the step (Q34)."""
     if not insides.shared:
         return 0.0
-    eye = np.array(case.scene.camera.eye)
+    camera = view(case)
+    if camera.perspective:
+        return camera.film_px(INDEX_STEP * OBLIQUE)
     hulls = [hull for index in range(len(case.scene.objects)) if (hull := distances.extremes(case, index)) is not None]
-    reach = max([float(np.linalg.norm(hull - eye, axis=1).max()) for hull in hulls], default=1.0)
-    return INDEX_STEP * OBLIQUE * reach
+    reach = max([float(np.linalg.norm(hull - camera.eye, axis=1).max()) for hull in hulls], default=camera.height)
+    return camera.film_px(INDEX_STEP * OBLIQUE * reach)
 
 
 def _horizon_px(case: Case, insides: Media) -> float:
-    """How far, pixels, the horizon of a transparent plane moves: leaving an index a step above 1, light is totally reflected
-    below the angle √(2 step) (Q34).
+    """How far, pixels, the horizon of a transparent plane moves: on entering an index a step below 1, light is totally
+    reflected below the angle √(2 step) (Q34).
     """
     if not any(isinstance(case.scene.objects[index], Plane) for index in insides.shared):
         return 0.0

@@ -14,8 +14,8 @@ from equilux_scenes.mesh import TriangleMesh
 from equilux_scenes.model import Disc, Material, Mesh, Object, PerspectiveCamera, Plane, Rectangle
 
 DEEPEST = 255  # POV-Ray's own limit is 256 levels, the camera ray's included
-NEARLY_ONE = 1.0000001  # stored as 1 + 2^-23: the least index that is not 1 (Q34)
-INDEX_STEP = 2.0**-23
+INDEX_STEP = 2.0**-24
+NEARLY_ONE = 0.99999994  # stored as 1 − INDEX_STEP: no float32 but 1 is nearer to 1 (Q34)
 
 
 @dataclass(frozen=True)

@@ -6,11 +6,10 @@ from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from equilux.adapter import Bound, Budget, Geometric, Program, RawRender, Reading
 from equilux.budget import Term
-from equilux_adapters.povray.exposures import HALF_STEP, merge
+from equilux_adapters.povray.exposures import HALF_STEP, Floats, merge
 from equilux_adapters.povray.knobs import PovrayKnobs
 from equilux_adapters.povray.png import read_codes
 
@@ -23,10 +22,10 @@ def read(raw: RawRender, program: Program, knobs: PovrayKnobs) -> Reading:
     facts = program.data
     codes = {raw.data["full_scales"][name]: read_codes(path, facts["width"], facts["height"]) for name, path in raw.files.items()}
     radiance, used = merge(codes)
-    return Reading(radiance.astype(np.float32), Budget(tuple(_terms(facts, used))))
+    return Reading(radiance.astype(np.float32), Budget(tuple(_terms(facts, radiance, used))))
 
 
-def _terms(facts: Any, used: npt.NDArray[np.float64]) -> Iterator[Term]:
+def _terms(facts: Any, radiance: Floats, used: Floats) -> Iterator[Term]:
     yield Bound("quantisation", "PNG of 16 bits: half a step of the exposure the value was read from (Q22)", abs=used * HALF_STEP)
     yield _arithmetic(facts)
     yield Bound("storage", "the merged image is float32", rel=FLOAT32)
@@ -50,9 +49,19 @@ def _terms(facts: Any, used: npt.NDArray[np.float64]) -> Iterator[Term]:
     if facts["refraction"]:
         yield Geometric("refraction", "an index of refraction is float32; as the tilt that turns a refracted ray as far (Q35)",
                         normal={int(index): tilt for index, tilt in facts["refraction"].items()})
-    if facts["straight_m"]:
-        yield Geometric("straight-through", "where crossings count, index 1 is 1 + 2^-23 and displaces what is behind (Q34)",
-                        position_m=facts["straight_m"], film_px=facts["straight_px"])
+    if facts["turned_px"]:
+        yield Bound("straight-through", "where crossings count, index 1 is 1 − 2^-24 and turns the ray: the picture's slope (Q34)",
+                    abs=facts["turned_px"] * _slope(radiance))
+        yield Geometric("horizon", "index 1 − 2^-24 reflects totally at grazing angles (Q34)", film_px=facts["horizon_px"])
+
+
+def _slope(radiance: Floats) -> Floats:
+    """The largest difference of each value from its four neighbours': per pixel, what a displacement on the film may do."""
+    padded = np.pad(radiance, ((1, 1), (1, 1), (0, 0)), mode="edge")
+    middle = padded[1:-1, 1:-1]
+    neighbours = (padded[:-2, 1:-1], padded[2:, 1:-1], padded[1:-1, :-2], padded[1:-1, 2:])
+    slope: Floats = np.max([np.abs(neighbour - middle) for neighbour in neighbours], axis=0)
+    return slope
 
 
 def _arithmetic(facts: Any) -> Bound:
