@@ -21,7 +21,7 @@ ENTRY = "scene.py"
 
 def translate(case: Case, knobs: MitsubaKnobs) -> Program:
     """The script that draws the case, and its meshes. Raises Unsupported naming every feature that Mitsuba lacks."""
-    missing = [feature for feature in case.requires if feature not in CAPABILITIES or CAPABILITIES[feature].level == "none"]
+    missing = [feature for feature in case.demands if feature not in CAPABILITIES or CAPABILITIES[feature].level == "none"]
     if missing:
         raise Unsupported(missing, f"Mitsuba cannot express {', '.join(missing)}")
     files = {ENTRY: script(case, knobs).encode()}
@@ -107,7 +107,7 @@ def _picture(case: Case, knobs: MitsubaKnobs) -> list[str]:
         f"        eye={triple(camera.eye)}, target={triple(camera.target)}, up={triple(camera.up)},",
         f"        {lens}, width={film.width}, height={film.height},",
         "    )",
-        f"    return render(mi.load_dict(scene()), view, {', '.join(settings)})",
+        f"    return render(mi.load_dict(scene(), optimize=False), view, {', '.join(settings)})",
     ]
 
 
