@@ -1,4 +1,4 @@
-"""One film position at fifty digits, straight from the formulas.
+"""One film position at fifty digits, straight from the formulas: the local models here, `raytraced` in precise_transport.py.
 
 Written apart from the rest of the package and without any of its care: world-space textbook formulas, the mirror direction as
 R = 2 (N·L) N − L, the cosine as R·V, every object tried, in mpmath. What it takes from elsewhere is the scene and the
@@ -43,17 +43,19 @@ Crossings = Iterator[tuple[mpf, Vector]]
 
 @dataclass(frozen=True)
 class Seen:
-    """What a film position sees: point, unit normal on the viewer's side, unit to-viewer, and the object's index."""
+    """What a ray sees: point, unit normal on the viewer's side, unit to-viewer, the object's index, and whether the viewer's side
+    is that of the outward normal."""
 
     index: int
     point: Vector
     normal: Vector
     to_viewer: Vector
+    outside: bool
 
 
 @dataclass(frozen=True)
 class Evaluation:
-    """Radiance, and the scale K_emit + K_amb L_amb + Σ E_i (K_diff + K_spec) of errors, None where nothing is hit."""
+    """Radiance, and the scale of errors (`equilux_oracle.Examination`), None where nothing is hit."""
 
     radiance: Bands
     scale: Bands | None
@@ -69,66 +71,79 @@ def evaluate_at(case: Case, x: float, y: float) -> Evaluation:
     """Radiance at a film position, with the point seen there. Raises TypeError for a mesh."""
     with mp.workdps(DIGITS):
         scene = case.scene
-        seen = _first_seen(scene, *_ray(scene.camera, scene.film, mpf(x), mpf(y)))
+        ray = _ray(scene.camera, scene.film, mpf(x), mpf(y))
+        if scene.model == "raytraced":
+            from equilux_oracle.precise_transport import trace
+
+            return trace(scene, *ray)
+        seen = first_seen(scene, *ray)
         if seen is None:
-            return Evaluation(_exact(scene.background), None, None)
+            return Evaluation(exact(scene.background), None, None)
         material = scene.materials[scene.objects[seen.index].material]
-        return Evaluation(*_shade(scene, material, seen), seen)
+        formula = _fixed_function if scene.model == "opengl" else _shade
+        return Evaluation(*formula(scene, material, seen), seen)
 
 
 # --- camera -----------------------------------------------------------------------------------------------------------
 
 
 def _ray(camera: PerspectiveCamera | OrthographicCamera, film: Film, x: mpf, y: mpf) -> tuple[Vector, Vector]:
-    eye, target, up = _exact(camera.eye), _exact(camera.target), _exact(camera.up)
-    forward = _unit(_minus(target, eye))
-    right = _unit(_cross(forward, up))
+    eye, target, up = exact(camera.eye), exact(camera.target), exact(camera.up)
+    forward = unit(minus(target, eye))
+    right = unit(_cross(forward, up))
     above = _cross(right, forward)
     perspective = isinstance(camera, PerspectiveCamera)
     half = mp.tan(mp.radians(mpf(camera.fov_y_deg)) / 2) if isinstance(camera, PerspectiveCamera) else mpf(camera.height_m) / 2
     a = (2 * x / film.width - 1) * mpf(film.width) / film.height * half
     b = (1 - 2 * y / film.height) * half
-    on_film = _plus(_times(a, right), _times(b, above))
-    return (eye, _plus(forward, on_film)) if perspective else (_plus(eye, on_film), forward)
+    on_film = plus(times(a, right), times(b, above))
+    return (eye, plus(forward, on_film)) if perspective else (plus(eye, on_film), forward)
 
 
 # --- visibility -------------------------------------------------------------------------------------------------------
 
 
-def _first_seen(scene: Scene, origin: Vector, direction: Vector) -> Seen | None:
+def first_seen(scene: Scene, origin: Vector, direction: Vector, start: mpf | int = 0) -> Seen | None:
+    """The nearest crossing with t > start; the first in file order of those that lie within 2^-50 of each other."""
     best: tuple[mpf, int, Vector] | None = None
-    coordinates = _length(_exact(scene.camera.eye)) / _length(direction)
-    for index, shape in enumerate(scene.objects):
-        m = mp.matrix(matrix(shape).tolist())
-        inverse = m**-1
-        local_origin, local_direction = _apply(inverse, origin, 1), _apply(inverse, direction, 0)
-        for t, normal in _crossings(shape, local_origin, local_direction):
-            if t > 0 and (best is None or best[0] - t > (best[0] + coordinates) * mpf(2) ** -50):
-                best = (t, index, _apply(inverse.T, normal, 0))
+    coordinates = length(exact(scene.camera.eye)) / length(direction)
+    if start:
+        coordinates += length(minus(origin, exact(scene.camera.eye)))
+    for index in range(len(scene.objects)):
+        for t, normal in crossings_with(scene, index, origin, direction):
+            if t > start and (best is None or best[0] - t > (best[0] + coordinates) * mpf(2) ** -50):
+                best = (t, index, normal)
     if best is None:
         return None
     t, index, normal = best
-    normal, to_viewer = _unit(normal), _unit(_times(mpf(-1), direction))
-    if _dot(normal, to_viewer) < 0:
-        normal = _times(mpf(-1), normal)
-    return Seen(index, _plus(origin, _times(t, direction)), normal, to_viewer)
+    normal, to_viewer = unit(normal), unit(times(mpf(-1), direction))
+    outside = bool(dot(normal, to_viewer) >= 0)
+    return Seen(index, plus(origin, times(t, direction)), normal if outside else times(mpf(-1), normal), to_viewer, outside)
+
+
+def crossings_with(scene: Scene, index: int, origin: Vector, direction: Vector) -> Crossings:
+    """All crossings of a line with one object, with outward normals in the world, not unit."""
+    m = mp.matrix(matrix(scene.objects[index]).tolist())
+    inverse = m**-1
+    for t, normal in _crossings(scene.objects[index], _apply(inverse, origin, 1), _apply(inverse, direction, 0)):
+        yield t, _apply(inverse.T, normal, 0)
 
 
 def _crossings(shape: Object, o: Vector, d: Vector) -> Crossings:
     match shape:
         case Sphere():
-            yield from _sphere(_exact(shape.center), mpf(shape.radius), o, d)
+            yield from _sphere(exact(shape.center), mpf(shape.radius), o, d)
         case Plane():
-            yield from _flat(_exact(shape.point), _exact(shape.normal), o, d, lambda p: True)
+            yield from _flat(exact(shape.point), exact(shape.normal), o, d, lambda p: True)
         case Disc():
-            c, r = _exact(shape.center), mpf(shape.radius)
-            yield from _flat(c, _exact(shape.normal), o, d, lambda p: _length(_minus(p, c)) <= r)
+            c, r = exact(shape.center), mpf(shape.radius)
+            yield from _flat(c, exact(shape.normal), o, d, lambda p: length(minus(p, c)) <= r)
         case Rectangle():
-            yield from _rectangle(_exact(shape.corner), _exact(shape.edge_u), _exact(shape.edge_v), o, d)
+            yield from _rectangle(exact(shape.corner), exact(shape.edge_u), exact(shape.edge_v), o, d)
         case Box():
-            yield from _box(_exact(shape.min), _exact(shape.max), o, d)
+            yield from _box(exact(shape.min), exact(shape.max), o, d)
         case Cylinder():
-            yield from _cylinder(_exact(shape.base), _exact(shape.top), mpf(shape.radius), shape.capped, o, d)
+            yield from _cylinder(exact(shape.base), exact(shape.top), mpf(shape.radius), shape.capped, o, d)
         case _:
             raise TypeError(f"no closed form for {shape.kind}")
 
@@ -143,23 +158,23 @@ def _quadratic(a: mpf, b: mpf, c: mpf) -> list[mpf]:
 
 
 def _sphere(center: Vector, radius: mpf, o: Vector, d: Vector) -> Crossings:
-    q = _minus(o, center)
-    for t in _quadratic(_dot(d, d), _dot(q, d), _dot(q, q) - radius**2):
-        yield t, _plus(q, _times(t, d))
+    q = minus(o, center)
+    for t in _quadratic(dot(d, d), dot(q, d), dot(q, q) - radius**2):
+        yield t, plus(q, times(t, d))
 
 
 def _flat(point: Vector, normal: Vector, o: Vector, d: Vector, inside: Callable[[Vector], bool]) -> Crossings:
-    towards = _dot(d, normal)
+    towards = dot(d, normal)
     if towards != 0:
-        t = _dot(_minus(point, o), normal) / towards
-        if inside(_plus(o, _times(t, d))):
+        t = dot(minus(point, o), normal) / towards
+        if inside(plus(o, times(t, d))):
             yield t, normal
 
 
 def _rectangle(corner: Vector, u: Vector, v: Vector, o: Vector, d: Vector) -> Crossings:
     def inside(p: Vector) -> bool:
-        q = _minus(p, corner)
-        return bool(0 <= _dot(q, u) / _dot(u, u) <= 1 and 0 <= _dot(q, v) / _dot(v, v) <= 1)
+        q = minus(p, corner)
+        return bool(0 <= dot(q, u) / dot(u, u) <= 1 and 0 <= dot(q, v) / dot(v, v) <= 1)
 
     yield from _flat(corner, _cross(u, v), o, d, inside)
 
@@ -174,80 +189,100 @@ def _box(low: Vector, high: Vector, o: Vector, d: Vector) -> Crossings:
 
 
 def _cylinder(base: Vector, top: Vector, radius: mpf, capped: bool, o: Vector, d: Vector) -> Crossings:
-    axis = _minus(top, base)
-    height = _length(axis)
-    along = _times(1 / height, axis)
-    q = _minus(o, base)
-    q_across, d_across = _minus(q, _times(_dot(q, along), along)), _minus(d, _times(_dot(d, along), along))
-    for t in _quadratic(_dot(d_across, d_across), _dot(q_across, d_across), _dot(q_across, q_across) - radius**2):
-        if 0 <= _dot(_plus(q, _times(t, d)), along) <= height:
-            yield t, _plus(q_across, _times(t, d_across))
+    axis = minus(top, base)
+    height = length(axis)
+    along = times(1 / height, axis)
+    q = minus(o, base)
+    q_across, d_across = minus(q, times(dot(q, along), along)), minus(d, times(dot(d, along), along))
+    for t in _quadratic(dot(d_across, d_across), dot(q_across, d_across), dot(q_across, q_across) - radius**2):
+        if 0 <= dot(plus(q, times(t, d)), along) <= height:
+            yield t, plus(q_across, times(t, d_across))
     if capped:
-        for center, normal in ((base, _times(mpf(-1), along)), (top, along)):
-            yield from _flat(center, normal, o, d, lambda p, center=center: bool(_length(_minus(p, center)) <= radius))  # type: ignore[misc]
+        for center, normal in ((base, times(mpf(-1), along)), (top, along)):
+            yield from _flat(center, normal, o, d, lambda p, center=center: bool(length(minus(p, center)) <= radius))  # type: ignore[misc]
 
 
 # --- lights and the formula -------------------------------------------------------------------------------------------
 
 
-def _arriving(light: DeltaLight, point: Vector) -> tuple[Vector, Bands]:
+def arriving(light: DeltaLight, point: Vector) -> tuple[Vector, Bands]:
     """Unit vector to the light, and E."""
     if isinstance(light, DirectionalLight):
-        return _unit(_times(mpf(-1), _exact(light.direction))), _exact(light.irradiance)
-    to_light = _minus(_exact(light.position), point)
-    r = _length(to_light)
-    to_light = _times(1 / r, to_light)
+        return unit(times(mpf(-1), exact(light.direction))), exact(light.irradiance)
+    to_light = minus(exact(light.position), point)
+    r = length(to_light)
+    to_light = times(1 / r, to_light)
     law = light.attenuation
     weight = 1 / (mpf(law.constant) + mpf(law.linear) * r + mpf(law.quadratic) * r**2)
     if isinstance(light, SpotLight):
-        cosine = -_dot(to_light, _unit(_exact(light.direction)))
+        cosine = -dot(to_light, unit(exact(light.direction)))
         inside = cosine >= mp.cos(mp.radians(mpf(light.cone_half_angle_deg)))
         weight *= mp.power(cosine, mpf(light.exponent)) if inside else mpf(0)
-    return to_light, _times(weight, _exact(light.intensity))
+    return to_light, times(weight, exact(light.intensity))
 
 
 def _shade(scene: Scene, material: Material, seen: Seen) -> tuple[Bands, Bands]:
-    ambient, emission = _exact(scene.ambient), _exact(material.emission)
-    k_amb, k_diff, k_spec = _exact(material.ambient), _exact(material.diffuse), _exact(material.specular)
+    ambient, emission = exact(scene.ambient), exact(material.emission)
+    k_amb, k_diff, k_spec = exact(material.ambient), exact(material.diffuse), exact(material.specular)
     n, v = seen.normal, seen.to_viewer
-    radiance = scale = _bands(lambda b: emission[b] + k_amb[b] * ambient[b])
+    radiance = scale = bands(lambda b: emission[b] + k_amb[b] * ambient[b])
     for light in scene.delta_lights.values():
-        to_light, e = _arriving(light, seen.point)
-        n_l = _dot(n, to_light)
-        scale = _bands(lambda b, s=scale, e=e: s[b] + e[b] * (k_diff[b] + k_spec[b]))
+        to_light, e = arriving(light, seen.point)
+        n_l = dot(n, to_light)
+        scale = bands(lambda b, s=scale, e=e: s[b] + e[b] * (k_diff[b] + k_spec[b]))
         if n_l > 0:
-            mirror = _minus(_times(2 * n_l, n), to_light)
-            r_v = _dot(mirror, v)
+            mirror = minus(times(2 * n_l, n), to_light)
+            r_v = dot(mirror, v)
             power = mp.power(r_v, mpf(material.exponent)) if r_v > 0 else mpf(0)
-            radiance = _bands(lambda b, s=radiance, e=e, c=n_l, h=power: s[b] + e[b] * (k_diff[b] * c + k_spec[b] * h))
+            radiance = bands(lambda b, s=radiance, e=e, c=n_l, h=power: s[b] + e[b] * (k_diff[b] * c + k_spec[b] * h))
+    return radiance, scale
+
+
+def _fixed_function(scene: Scene, material: Material, seen: Seen) -> tuple[Bands, Bands]:
+    """e_m + a_m a_global + Σ att_i spot_i [a_m a_i + d_m d_i max(0, N·L_i) + f_i s_m s_i max(0, N·H_i)^s]."""
+    a_global, e_m, a_m = exact(scene.ambient), exact(material.emission), exact(material.ambient)
+    d_m, s_m, s, n = exact(material.diffuse), exact(material.specular), mpf(material.exponent), seen.normal
+    eye, target = exact(scene.camera.eye), exact(scene.camera.target)
+    v = unit(minus(eye, seen.point)) if scene.viewer == "local" else unit(minus(eye, target))
+    radiance = scale = bands(lambda b: e_m[b] + a_m[b] * a_global[b])
+    for light in scene.delta_lights.values():
+        to_light, e = arriving(light, seen.point)
+        a_i, d_i, s_i = exact(light.ambient), exact(light.diffuse), exact(light.specular)
+        n_l, n_h = dot(n, to_light), dot(n, unit(plus(to_light, v)))
+        cosine = n_l if n_l > 0 else mpf(0)
+        power = mp.power(n_h if n_h > 0 else mpf(0), s) if n_l > 0 else mpf(0)
+        terms = [(a_m[b] * a_i[b], d_m[b] * d_i[b], s_m[b] * s_i[b]) for b in range(3)]
+        lit = [e[b] * (terms[b][0] + terms[b][1] * cosine + terms[b][2] * power) for b in range(3)]
+        radiance = bands(lambda b, whole=radiance, lit=lit: whole[b] + lit[b])
+        scale = bands(lambda b, whole=scale, terms=terms, e=e: whole[b] + e[b] * sum(terms[b]))
     return radiance, scale
 
 
 # --- vectors ----------------------------------------------------------------------------------------------------------
 
 
-def _exact(values: Sequence[float]) -> Vector:
+def exact(values: Sequence[float]) -> Vector:
     x, y, z = (mpf(value) for value in values)
     return x, y, z
 
 
-def _bands(of_band: Callable[..., mpf]) -> Bands:
+def bands(of_band: Callable[..., mpf]) -> Bands:
     return of_band(0), of_band(1), of_band(2)
 
 
-def _plus(a: Vector, b: Vector) -> Vector:
+def plus(a: Vector, b: Vector) -> Vector:
     return a[0] + b[0], a[1] + b[1], a[2] + b[2]
 
 
-def _minus(a: Vector, b: Vector) -> Vector:
+def minus(a: Vector, b: Vector) -> Vector:
     return a[0] - b[0], a[1] - b[1], a[2] - b[2]
 
 
-def _times(k: mpf, a: Vector) -> Vector:
+def times(k: mpf, a: Vector) -> Vector:
     return k * a[0], k * a[1], k * a[2]
 
 
-def _dot(a: Vector, b: Vector) -> mpf:
+def dot(a: Vector, b: Vector) -> mpf:
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
@@ -255,12 +290,12 @@ def _cross(a: Vector, b: Vector) -> Vector:
     return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
 
 
-def _length(a: Vector) -> mpf:
-    return mp.sqrt(_dot(a, a))
+def length(a: Vector) -> mpf:
+    return mp.sqrt(dot(a, a))
 
 
-def _unit(a: Vector) -> Vector:
-    return _times(1 / _length(a), a)
+def unit(a: Vector) -> Vector:
+    return times(1 / length(a), a)
 
 
 def _apply(m: mpmath.matrix, a: Vector, w: int) -> Vector:
