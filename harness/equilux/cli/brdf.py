@@ -163,7 +163,8 @@ def _as_json(subjects: list[_Subject]) -> list[dict[str, object]]:
 
 
 def _rows(subjects: list[_Subject]) -> list[tuple[str, ...]]:
-    rows: list[tuple[str, ...]] = [("BRDF", "band", "K_diff", "K_spec", "p", "ρ(0°)", "ρ(60°)", "largest ρ", "at", "energy", "reciprocity")]
+    head = ("BRDF", "band", "K_diff", "K_spec", "p", "ρ(0°)", "ρ(60°)", "largest ρ", "at", "energy", "reciprocity")
+    rows: list[tuple[str, ...]] = [head]
     for subject in subjects:
         for band, one in subject.studies.items():
             rho = dict(zip(one.rho_deg, one.rho, strict=True))
