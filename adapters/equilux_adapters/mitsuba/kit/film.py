@@ -32,7 +32,7 @@ class View:
 
     def rays(self) -> tuple[Array, Array]:
         """Origins and unit directions through the pixels' centres, (height × width, 3), row 0 on top."""
-        forward = np.subtract(self.target, self.eye)
+        forward = np.subtract(self.target, self.eye, dtype=np.float64)
         forward /= np.linalg.norm(forward)
         right = np.cross(forward, np.asarray(self.up) / np.max(np.abs(self.up)))
         right /= np.linalg.norm(right)
