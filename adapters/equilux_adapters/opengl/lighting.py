@@ -15,16 +15,16 @@ MOST = 128.0
 def light_of(light: DeltaLight) -> Light:
     """What is multiplied by the light's strength here, the API multiplies no more. Raises Unsupported."""
     strength = light.irradiance if isinstance(light, DirectionalLight) else light.intensity
-    diffuse, specular, ambient = (_times(strength, share) for share in (light.diffuse, light.specular, light.ambient))
+    ambient, diffuse, specular = (_times(strength, share) for share in (light.ambient, light.diffuse, light.specular))
     if isinstance(light, DirectionalLight):
-        return Light(diffuse, specular, ambient, direction=light.direction)
+        return Light(ambient, diffuse, specular, direction=light.direction)
     terms = (light.attenuation.constant, light.attenuation.linear, light.attenuation.quadratic)
     if not isinstance(light, SpotLight):
-        return Light(diffuse, specular, ambient, position=light.position, attenuation=terms)
+        return Light(ambient, diffuse, specular, position=light.position, attenuation=terms)
     if light.exponent > MOST:
         raise Unsupported(["light.spot-exponent"], f"spot exponent {light.exponent:g}: OpenGL has 0 to 128")
     return Light(
-        diffuse, specular, ambient, position=light.position, direction=light.direction, attenuation=terms,
+        ambient, diffuse, specular, position=light.position, direction=light.direction, attenuation=terms,
         cutoff_deg=light.cone_half_angle_deg, exponent=light.exponent,
     )  # fmt: skip
 

@@ -23,9 +23,9 @@ class Light:
     cutoff_deg: half-angle of the cone, 180 where there is none. attenuation: constant, linear and quadratic term.
     """
 
-    diffuse: Array
-    specular: Array
     ambient: Array = (0, 0, 0)
+    diffuse: Array = (0, 0, 0)
+    specular: Array = (0, 0, 0)
     position: Array | None = None
     direction: Array | None = None
     attenuation: Array = (1, 0, 0)
