@@ -42,8 +42,8 @@ ROWS: dict[str, Row] = {
     ),
     "flux": Row("Flux", "Φ = 4π I of an isotropic point light", (_UNITS,), ("input.flux", "light.point")),
     "flux-density": Row("Flux density", "dΦ/dA = E cosθ: the receiver's cosine", (_LOCAL,), ("material.diffuse",)),
-    "solid-angle": Row("Solid angle", "Ω = A/R²; cap 2π(1 − cosα), projected π sin²α", (_FORMS,), ("light.sphere|light.disc",)),
-    "radiance": Row("Radiance", "L, W/(m²·sr): every pixel of every image", ("CONVENTIONS.md",), ("material.emission",)),
+    "solid-angle": Row("Solid angle", "Ω = A/R²; cap 2π(1 − cosα), projected π sin²α", (_FORMS,), ("light.sphere|light.disc|light.spot",)),
+    "radiance": Row("Radiance", "L, W/(m²·sr): every pixel of every image", ("CONVENTIONS.md",)),
     "constancy-of-radiance": Row("Constancy of radiance along a ray", "L₁ = L₂", ("CONVENTIONS.md",)),
     "brdf": Row(
         "BRDF", "f_r = dL_r / (L_i cosθ_i dω_i), 1/sr; furnace: ρ = π K_diff", (_BRDF, _FORMS),
@@ -96,7 +96,7 @@ ROWS: dict[str, Row] = {
         ("model.raytraced", "shadow.attenuated|shadow.ignored"),
     ),
     "recursion": Row(
-        "Classical ray tracing, recursively", "to a recursion limit", (_TRANSPORT,), ("model.raytraced", "reflection")
+        "Classical ray tracing, recursively", "to a recursion limit", (_TRANSPORT,), ("model.raytraced", "reflection|refraction")
     ),
     "opengl": Row(
         "OpenGL model", "e_m + a_m a_global + Σ att spot [a_m a_i + d_m d_i max(0, N·L) + f s_m s_i max(0, N·H)^s]",
