@@ -20,6 +20,7 @@ struct Departure {
   int mesh = -1;
   std::uint32_t triangle = 0;
   double start = 0;  // metres along the ray
+  bool displaced = false;  // the origin was moved off the surface by up to `start`, which then covers the object that is left, too
 };
 
 // P(s) = origin + s direction, s in metres. Eye-relative world coordinates.

@@ -21,39 +21,47 @@ inline Vec3dd mirrored_about(const Vec3dd& normal, const Vec3dd& v) {
   return direction_of(normal * (dot(normal, v) * 2.0) - v);
 }
 
+// How a direction goes on through a surface.
+struct Refraction {
+  bool total = false;  // total reflection: there is no direction
+  Vec3dd direction;    // unit
+  double bend = 1;     // how many times as much it turns, at most, as the incoming direction or the normal does
+};
+
 // The way that the direction d, unit, takes through the surface with normal N from a medium of index `from` into one of index `into`:
 // with η = from/into, c = N·d, s² = η²(1 − c²): η d + (± √(1 − s²) − η c) N, ± the sign of c, so that it goes on to the side that d
-// pointed to. False: total reflection, s² > 1; rounding counts as 1. cosine: √(1 − s²).
-inline bool refracted(const Vec3dd& d, const Vec3dd& normal, double from, double into, Vec3dd& out, double& cosine) {
-  const DoubleDouble c = dot(normal, d);
-  if (from == into) {
-    out = d;
-    cosine = std::fabs(to_double(c));
-    return true;
-  }
-  const DoubleDouble ratio = DoubleDouble(from) / DoubleDouble(into);
+// pointed to. Total reflection: s² > 1; what rounding leaves of that counts as 1.
+// In the plane of incidence sin θ_t = η sin θ_i: dθ_t/dθ_i = η cos θ_i / cos θ_t, across it η.
+inline Refraction refracted(const Vec3dd& d, const Vec3dd& normal, double from, double into) {
+  if (from == into) return {false, d, 1};
+  const DoubleDouble c = dot(normal, d), ratio = DoubleDouble(from) / DoubleDouble(into);
   const DoubleDouble rest = DoubleDouble(1.0) - ratio * ratio * (DoubleDouble(1.0) - c * c);
-  if (to_double(rest) < -exact_zero) return false;
+  if (to_double(rest) < -exact_zero) return {true, {}, 1};
   const DoubleDouble root = square_root(rest);
-  out = direction_of(d * ratio + normal * ((to_double(c) < 0 ? -root : root) - ratio * c));
-  cosine = to_double(root);
-  return true;
+  const double eta = to_double(ratio), grazing = to_double(root) + 0x1p-45;  // the root of what is left of 0
+  const Vec3dd onward = d * ratio + normal * ((to_double(c) < 0 ? -root : root) - ratio * c);
+  return {false, direction_of(onward), std::fmax(eta, (1 + eta * std::fabs(to_double(c))) / grazing)};
 }
 
 // The indices on N's side and behind it: 1 outside the object that was hit, ior inside.
 inline double index_in_front(const SurfacePoint& point, const MaterialDescription& material) { return point.outside ? 1 : material.ior; }
 inline double index_behind(const SurfacePoint& point, const MaterialDescription& material) { return point.outside ? material.ior : 1; }
 
-// max(0, T·V)^p of a light behind the surface; T is the way its light takes to the viewer's side. total: there is none.
-inline double transmitted_highlight(const SurfacePoint& point, const Vec3d& to_viewer, const Arriving& arriving,
-                                    const MaterialDescription& material, bool& total) {
-  Vec3dd transmitted;
-  double cosine;
-  total = !refracted(-unit(arriving.toward), point.normal, index_behind(point, material), index_in_front(point, material), transmitted,
-                     cosine);
-  if (total) return 0;
-  return power_of_cosine(to_double(transmitted), to_viewer, material.exponent,
-                         [&] { return to_double(dot(transmitted, point.to_viewer)); });
+// L_trans: how the view ray goes on behind the surface.
+inline Refraction refracted_view(const SurfacePoint& point, const MaterialDescription& material) {
+  return refracted(-point.to_viewer, point.normal, index_in_front(point, material), index_behind(point, material));
+}
+
+// T: how the light of a source behind the surface comes out on the viewer's side.
+inline Refraction refracted_light(const SurfacePoint& point, const MaterialDescription& material, const Arriving& arriving) {
+  return refracted(-unit(arriving.toward), point.normal, index_behind(point, material), index_in_front(point, material));
+}
+
+// max(0, T·V)^p of a light behind the surface; 0 without T.
+inline double transmitted_highlight(const SurfacePoint& point, const Vec3d& to_viewer, const Refraction& light, double exponent) {
+  if (light.total) return 0;
+  return power_of_cosine(to_double(light.direction), to_viewer, exponent,
+                         [&] { return to_double(dot(light.direction, point.to_viewer)); });
 }
 
 }  // namespace equilux

@@ -104,6 +104,9 @@ bool sensitivity(const World& world, const Samples& samples, const GeometricBoun
                  const Cancel* cancel, const Interrupted& interrupted) {
   const std::size_t objects = world.objects.size();
   if (bounds.normal.size() != objects || bounds.position_m.size() != objects) throw TracerError("sensitivity: one bound per object");
+  if (world.description.model == Model::raytraced) {
+    return sensitivity_raytraced(world, samples, bounds, out, threads, cancel, interrupted);
+  }
   return for_each_chunk(samples.count, threads, cancel, interrupted, [&](std::size_t begin, std::size_t end) {
     Search search;
     search.world = &world;

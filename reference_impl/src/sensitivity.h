@@ -20,4 +20,16 @@ struct GeometricBounds {
 bool sensitivity(const World& world, const Samples& samples, const GeometricBounds& bounds, double* out, int threads,
                  const Cancel* cancel, const Interrupted& interrupted);
 
+// The same for model raytraced: the sum over all hits h of all paths of w_h times the sum above, w_h the weight of the path to h, δN and δP
+// those of the object that is hit, and L what leaves the hit towards where the path came from. Every hit has an error of its own,
+// independent of the others even on one object, so that their worst cases add up.
+//
+// A step at a hit moves the local terms and bends the secondary rays, which are followed anew to their end. V follows P at the first
+// hit, as above; deeper, a ray has the direction that it has. Sides, cones and shadows of the lights at the hit are held (a light whose
+// shadow was of no interest, because it is on the side that does not count, has none). Where a secondary ray comes back with another path
+// signature, that discontinuity is left to class `edge`, and of the continuous change what the largest step of 1/4, 1/16 or 1/64 of the
+// size shows that keeps the signature, times 4, 16, 64; 0 if none does.
+bool sensitivity_raytraced(const World& world, const Samples& samples, const GeometricBounds& bounds, double* out, int threads,
+                           const Cancel* cancel, const Interrupted& interrupted);
+
 }  // namespace equilux

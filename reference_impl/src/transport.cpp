@@ -139,8 +139,8 @@ void transport_mesh(const RTCIntersectFunctionNArguments* args) {
 
 void Traversal::try_object(int index) {
   const Object& object = world_.objects[static_cast<std::size_t>(index)];
-  const bool own = index == ray_->from.object;
-  if (own && is_flat(object.solid)) return;
+  const bool left = index == ray_->from.object, own = left && !ray_->from.displaced;
+  if (left && is_flat(object.solid)) return;
   bool ahead[2];
   const Crossings<double> all = crossings(object.solid, object.canonical.rounded(*ray_));
   if (decide_ahead(all, own, ray_->from.start, ahead)) {

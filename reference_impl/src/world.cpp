@@ -43,6 +43,20 @@ RayFrame<double> rounded(const RayFrame<DoubleDouble>& frame) {
   return {to_double(frame.eye), to_double(frame.right), to_double(frame.up), to_double(frame.forward)};
 }
 
+// N ∝ A⁻ᵀ n of the canonical n = A⁻¹ P, so that |∂N| ≤ |A⁻¹|² / |A⁻ᵀ n| ≤ σ_max / σ_min²; 1/r for a sphere that is one in the world too.
+double curvature_of(Solid solid, const Matrix3<DoubleDouble>& to_world, const Matrix3<DoubleDouble>& to_canonical) {
+  if (solid != Solid::sphere && solid != Solid::cylinder_capped && solid != Solid::cylinder_open) return 0;
+  const auto square = [](const Matrix3<DoubleDouble>& m) {
+    double sum = 0;
+    for (const Vec3dd& column : m.column) sum += to_double(dot(column, column));
+    return sum;
+  };
+  const double largest = square(to_world), reciprocal = square(to_canonical);
+  // Frobenius norms √3 r and √3 / r: their product is 3 for a similarity, and larger for everything else.
+  if (largest * reciprocal < 9 * (1 + 1e-9)) return std::sqrt(reciprocal / 3) * (1 + 1e-4);
+  return std::sqrt(largest) * reciprocal;
+}
+
 }  // namespace
 
 World::World(SceneDescription scene) : description(std::move(scene)), camera(description) {
@@ -77,6 +91,7 @@ void World::place_object(int index) {
   object.exact = {-(back * placement.origin), back * camera.right, back * camera.up, back * camera.forward};
   object.rounded = rounded(object.exact);
   object.canonical = CanonicalFrame(back, object.exact.eye);
+  object.curvature = curvature_of(object.solid, placement.linear, back);
   (object.solid == Solid::plane ? unbounded : bounded).push_back(index);
 }
 

@@ -21,6 +21,7 @@ struct Object {
   Matrix3<DoubleDouble> to_canonical_linear;  // inverse of the placement's linear part; its transpose carries normals to the world
   RayFrame<DoubleDouble> exact;
   RayFrame<double> rounded;
+  double curvature = 0;      // of its round surface: |change of N| per metre, an upper bound
   CanonicalFrame canonical;  // for rays that do not start at the eye
 };
 
