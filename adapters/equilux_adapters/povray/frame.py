@@ -27,6 +27,8 @@ LEAST_PX = 1e-6  # double rounding of rays and crossings
 REMOTE = 16.0  # an eye farther from the origin than this many extents of the scene becomes the origin
 SHADOW_BIAS = 1e-3  # units; blockers nearer to the point or to the light are missed (SHADOW_TOLERANCE, Q37)
 OBLIQUE = 10.0  # 1/sin of the angle between surfaces down to which the strip without shadow is that narrow: 6°
+# A shadow ray that clips an edge of glass crosses it once instead of twice in such a strip: neither lit nor shaded, and no edge.
+SLIVER = 0.1  # what such a strip counts against a displaced edge, per pixel of the film's sides: its edges are about as long
 SCALES = [1.0] + [10.0**n for n in range(-24, 25) if n]  # units per metre, the plainest first
 TOLERABLE_PX = 0.01  # beyond this the unit is chosen for accuracy instead of readability
 
@@ -118,13 +120,17 @@ def choose(case: Case) -> Frame:
         raise Unsupported(shapes, f"surfaces {span}: POV-Ray sees {NEAREST_HIT:g} to {FARTHEST_HIT:g} of its units")
     origin = _origin(camera, far)
     secondary = bool({"occlusion", "reflection", "transparency"} & set(case.requires))
-    errors = {s: max([LEAST_PX] + [_object_error(camera, origin, s, seen, secondary) for seen in objects]) for s in fitting}
+    rims = {s: max([LEAST_PX] + [_silhouette_error(camera, origin, s, seen, secondary) for seen in objects]) for s in fitting}
+    strips = {s: max([0.0] + [_strip(camera, s, seen) for seen in objects]) if secondary else 0.0 for s in fitting}
+    film = case.scene.film
+    weight = 1.0 + (SLIVER * (film.width + film.height) if "shadow.attenuated" in case.requires else 0.0)
+    errors = {s: rims[s] + weight * strips[s] for s in fitting}
     if errors.get(1.0, math.inf) <= TOLERABLE_PX:
-        return Frame(origin, 1.0, errors[1.0])
+        return Frame(origin, 1.0, rims[1.0] + strips[1.0])
     # the smallest error; among equals, the middle of the range of lengths that POV-Ray is at ease with
     middle = math.sqrt(NEAREST_HIT * FARTHEST_HIT / near / far)
     best = min(fitting, key=lambda s: (errors[s], abs(math.log(s / middle))))
-    return Frame(origin, best, errors[best])
+    return Frame(origin, best, rims[best] + strips[best])
 
 
 def _seen(case: Case, camera: View, index: int) -> _Seen:
@@ -162,15 +168,19 @@ def _origin(camera: View, far: float) -> Vector:
     return camera.eye.copy() if float(np.abs(camera.eye).max()) > REMOTE * extent else np.zeros(3)
 
 
-def _object_error(camera: View, origin: Vector, scale: float, seen: _Seen, secondary: bool) -> float:
-    """A bound, in pixels, on how far POV-Ray's tolerances displace the silhouettes and edges of one object, and its shadows."""
-    distance = max(seen.distance, NEAREST_HIT / scale) if camera.perspective else 1.0
-    bias = camera.film_px(OBLIQUE * SHADOW_BIAS / scale / distance) if secondary else 0.0
-    return _silhouette_error(camera, origin, scale, seen, distance, secondary) + bias
+def _distance(camera: View, scale: float, seen: _Seen) -> float:
+    """What turns a length at an object into an angle at the eye; 1 where there are no angles."""
+    return max(seen.distance, NEAREST_HIT / scale) if camera.perspective else 1.0
 
 
-def _silhouette_error(camera: View, origin: Vector, scale: float, seen: _Seen, distance: float, secondary: bool) -> float:
-    obj = seen.obj
+def _strip(camera: View, scale: float, seen: _Seen) -> float:
+    """How wide, in pixels, the strips are where a blocker or a mirrored surface is too near to be found (Q37)."""
+    return camera.film_px(OBLIQUE * SHADOW_BIAS / scale / _distance(camera, scale, seen))
+
+
+def _silhouette_error(camera: View, origin: Vector, scale: float, seen: _Seen, secondary: bool) -> float:
+    """A bound, in pixels, on how far POV-Ray's tolerances displace the silhouettes and edges of one object."""
+    obj, distance = seen.obj, _distance(camera, scale, seen)
     if isinstance(obj, Rectangle):
         return 0.0
     if isinstance(obj, Sphere):

@@ -50,7 +50,7 @@ def _terms(facts: Any, radiance: Floats, used: Floats) -> Iterator[Term]:
         yield Geometric("refraction", "an index of refraction is float32; as the tilt that turns a refracted ray as far (Q35)",
                         normal={int(index): tilt for index, tilt in facts["refraction"].items()})
     if facts["turned_px"]:
-        yield Bound("straight-through", "where crossings count, index 1 is 1 − 2^-24 and turns the ray: the picture's slope (Q34)",
+        yield Bound("straight-through", "where crossings count, index 1 is 1 − 2^-24 and turns rays: by the slope (Q34)",
                     abs=facts["turned_px"] * _slope(radiance))
         yield Geometric("horizon", "index 1 − 2^-24 reflects totally at grazing angles (Q34)", film_px=facts["horizon_px"])
 
