@@ -234,7 +234,7 @@ def _planck_bands(kelvin):
     """Bands of 100 cd of a blackbody, by Simpson's rule between the CIE's samples, in steps of 1/16 nm."""
     functions = matching_functions()
     nm = np.linspace(360, 830, 470 * 16 + 1)
-    planck = 1 / nm**5 / np.expm1(1.438776877e7 / nm / kelvin)  # c₂ = hc/k in nm K, CODATA 2018
+    planck = 1 / nm**5 / np.expm1(6.62607015e-34 * 299792458 / 1.380649e-23 * 1e9 / nm / kelvin)
     weights = np.ones_like(nm)
     weights[1:-1:2], weights[2:-1:2] = 4, 2
     xyz = [weights * planck @ np.interp(nm, functions.wavelengths_nm, column) for column in functions.values.T]
