@@ -35,6 +35,16 @@ Stretch EmitterView::stretch(const HalfPlane& plane) const {
   return {0, pi};
 }
 
+double EmitterView::reach(const Vec3d& m) const {
+  switch (kind) {
+    case Kind::sphere: return radius * length(m);
+    case Kind::disc: return radius * length(m - normal * dot(m, normal));
+    case Kind::rectangle: return 0.5 * (std::fabs(dot(m, corner[1] - corner[0])) + std::fabs(dot(m, corner[3] - corner[0])));
+    case Kind::environment: break;
+  }
+  return 0;
+}
+
 double EmitterView::distance(const Vec3d& direction) const {
   switch (kind) {
     case Kind::sphere: {

@@ -18,7 +18,7 @@ struct EmitterView {
   Kind kind = Kind::environment;
   Pencil pencil;
   double first = -pi, last = pi;  // azimuths
-  Vec3d centre;                   // sphere, disc; any point of the rectangle
+  Vec3d centre;                   // sphere, disc; the middle of the rectangle
   Vec3d normal;                   // disc, rectangle: unit, towards the shaded point's side
   double height = 0;              // distance of the shaded point from the plane of disc or rectangle, > 0
   double radius = 0, cone = 0;    // sphere; cone: half-angle
@@ -31,6 +31,9 @@ struct EmitterView {
   bool round_about() const { return kind != Kind::rectangle; }  // azimuths go full circle
 
   Stretch stretch(const HalfPlane& plane) const;
+
+  // Half the emitter's extent along m, about its centre.
+  double reach(const Vec3d& m) const;
 
   // Distance along the unit direction ω to the emitter's surface, for a direction that meets it. Infinite for the environment.
   double distance(const Vec3d& direction) const;

@@ -1,9 +1,14 @@
 #include "kernels.h"
 
+#include <algorithm>
+
 namespace equilux {
 
 bool render(const World& world, const Samples& samples, const Outputs& outputs, int threads, const Cancel* cancel,
             const Interrupted& interrupted) {
+  if (outputs.quadrature != nullptr && world.description.model != Model::reflection_equation) {
+    std::fill_n(outputs.quadrature, 3 * samples.count, 0.0);  // nothing else is integrated
+  }
   switch (world.description.model) {
     case Model::phong:
       return render_local(world, samples, outputs, threads, cancel, interrupted);
@@ -12,7 +17,7 @@ bool render(const World& world, const Samples& samples, const Outputs& outputs, 
     case Model::raytraced:
       return render_raytraced(world, samples, outputs, threads, cancel, interrupted);
     case Model::reflection_equation:
-      throw TracerError("model reflection-equation: not in this version");
+      return render_emitters(world, samples, outputs, threads, cancel, interrupted);
   }
   throw TracerError("no such model");
 }

@@ -37,6 +37,7 @@ struct Outputs {
   double* reflected = nullptr;    // 3: raytraced
   double* transmitted = nullptr;  // 3: raytraced
   double* rounding = nullptr;   // 3: bound on the arithmetic error of radiance, derived in phong.h, opengl.h and raytraced.h
+  double* quadrature = nullptr;  // 3: bound on the error of the integrals of model reflection_equation
   std::int32_t* object_id = nullptr;
   double* depth = nullptr;      // distance along the unit ray, inf on a miss
   double* normal = nullptr;     // 3; 0 on a miss
@@ -44,8 +45,8 @@ struct Outputs {
   std::uint64_t* signature = nullptr;
 
   bool only_radiance() const {
-    return !emission && !ambient && !light_ambient && !diffuse && !specular && !reflected && !transmitted && !rounding && !object_id &&
-           !depth && !normal && !position && !signature;
+    return !emission && !ambient && !light_ambient && !diffuse && !specular && !reflected && !transmitted && !rounding && !quadrature &&
+           !object_id && !depth && !normal && !position && !signature;
   }
 };
 

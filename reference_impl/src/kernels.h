@@ -14,4 +14,7 @@ bool render_opengl(const World& world, const Samples& samples, const Outputs& ou
 bool render_raytraced(const World& world, const Samples& samples, const Outputs& outputs, int threads, const Cancel* cancel,
                       const Interrupted& interrupted);
 
+bool render_emitters(const World& world, const Samples& samples, const Outputs& outputs, int threads, const Cancel* cancel,
+                     const Interrupted& interrupted);  // reflection_equation
+
 }  // namespace equilux

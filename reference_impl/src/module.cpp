@@ -110,7 +110,7 @@ void finish(bool complete) {
 
 void trace(const World& world, const std::optional<ConstDoubles>& film_xy, nb::dict arrays, int threads, const Cancel* cancel) {
   const Samples samples = samples_of(world, film_xy);
-  const std::size_t n = samples.count, lights = world.lights.size();
+  const std::size_t n = samples.count, lights = world.light_count();
   Outputs out;
   out.radiance = output<double>(arrays, "radiance", 3 * n);
   out.emission = output<double>(arrays, "emission", 3 * n);
@@ -121,6 +121,7 @@ void trace(const World& world, const std::optional<ConstDoubles>& film_xy, nb::d
   out.reflected = output<double>(arrays, "reflected", 3 * n);
   out.transmitted = output<double>(arrays, "transmitted", 3 * n);
   out.rounding = output<double>(arrays, "rounding", 3 * n);
+  out.quadrature = output<double>(arrays, "quadrature", 3 * n);
   out.object_id = output<std::int32_t>(arrays, "object_id", n);
   out.depth = output<double>(arrays, "depth", n);
   out.normal = output<double>(arrays, "normal", 3 * n);
@@ -206,6 +207,13 @@ void bind_description(nb::module_& m) {
           },
           nb::kw_only(), nb::arg("projection"), nb::arg("eye"), nb::arg("target"), nb::arg("up"), nb::arg("fov_y_deg") = 0.0,
           nb::arg("height_m") = 0.0)
+      .def(
+          "set_error_target",
+          [](SceneDescription& scene, double error_target) {
+            if (!(error_target > 0 && error_target < 1)) throw TracerError("error_target: allowed a number in the open interval (0, 1)");
+            scene.error_target = error_target;
+          },
+          nb::arg("error_target"))
       .def(
           "set_film",
           [](SceneDescription& scene, int width, int height) {

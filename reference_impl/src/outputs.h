@@ -21,7 +21,7 @@ inline void write(double* out, std::size_t index, const Vec3d& value) { write(ou
 template <class F> void write_miss(const World& world, const Outputs& out, std::size_t i) {
   if (out.radiance) write(out.radiance, i, world.description.background);
   if constexpr (F::channels) {
-    const std::size_t lights = world.lights.size();
+    const std::size_t lights = world.light_count();
     if (out.emission) write(out.emission, i, Bands{});
     if (out.ambient) write(out.ambient, i, Bands{});
     for (std::size_t k = 0; k < lights; ++k) {
@@ -32,6 +32,7 @@ template <class F> void write_miss(const World& world, const Outputs& out, std::
     if (out.reflected) write(out.reflected, i, Bands{});
     if (out.transmitted) write(out.transmitted, i, Bands{});
     if (out.rounding) write(out.rounding, i, Bands{});
+    if (out.quadrature) write(out.quadrature, i, Bands{});
     if (out.object_id) out.object_id[i] = -1;
     if (out.depth) out.depth[i] = std::numeric_limits<double>::infinity();
     if (out.normal) write(out.normal, i, Vec3d{});

@@ -97,6 +97,7 @@ inline double rule_error(const std::array<double, LobattoRule::nodes>& values) {
     coefficient[k] = sum;
   }
   for (std::size_t i = 0; i < LobattoRule::nodes; ++i) size += rule.weight[i] * std::fabs(values[i]);
+  if (size == 0) return 0;
   const double floor = 0x1p-51 * size;
   const double last = std::hypot(coefficient[0], coefficient[1]) + floor, before = std::hypot(coefficient[2], coefficient[3]) + floor,
                first = std::hypot(coefficient[4], coefficient[5]) + floor;
@@ -107,12 +108,29 @@ inline double rule_error(const std::array<double, LobattoRule::nodes>& values) {
 
 class AdaptiveQuadrature {
  public:
-  static constexpr int largest_panels = 600;  // the work limit: 6600 scan lines
+  static constexpr int largest_work = 1200;  // panels that are evaluated, 11 scan lines each
 
   // ∫ f over [ends.front(), ends.back()], ends sorted; f(x) → Terms. Until the error, weighed, is at most `target`.
   template <class F> Integral integrate(const F& f, const std::vector<Breakpoint>& ends, Terms weight, double target) {
+    begin(f, ends);
+    return refine(f, weight, target);
+  }
+
+  // The same, until the error is at most a share of the integral itself.
+  template <class F> Integral integrate_relative(const F& f, const std::vector<Breakpoint>& ends, Terms weight, double share) {
+    begin(f, ends);
+    Terms sum;
+    for (const Panel& panel : panels_) sum = sum + panel.value;
+    Integral total = refine(f, weight, share * weighed(sum, weight));
+    const double target = share * weighed(total.value, weight);  // the first sum may have been too large
+    return total.reached && weighed(total.error, weight) > target ? refine(f, weight, target) : total;
+  }
+
+ private:
+  template <class F> void begin(const F& f, const std::vector<Breakpoint>& ends) {
     panels_.clear();
-    Integral total;
+    finished_.clear();
+    evaluated_ = 0;
     for (std::size_t i = 0; i + 1 < ends.size(); ++i) {
       if (!(ends[i + 1].at > ends[i].at)) continue;
       Panel panel;
@@ -120,20 +138,26 @@ class AdaptiveQuadrature {
       evaluate(f, panel);
       panels_.push_back(panel);
     }
+  }
+
+  template <class F> Integral refine(const F& f, Terms weight, double target) {
+    Integral total;
     double error = 0;
     for (Panel& panel : panels_) {
       panel.weighed_error = weighed(panel.error, weight);
       error += panel.weighed_error;
     }
+    double settled = 0;  // error of panels that are as narrow as their ends are known: it stays
+    for (const Panel& panel : finished_) settled += weighed(panel.error, weight);
     std::make_heap(panels_.begin(), panels_.end());
-    while (error > target && !panels_.empty() && panels_.size() < largest_panels) {
+    while (error > std::max(target - settled, 0.1 * settled) && !panels_.empty() && evaluated_ < largest_work) {
       std::pop_heap(panels_.begin(), panels_.end());
       const Panel parent = panels_.back();
       panels_.pop_back();
-      if (parent.high - parent.low < 0x1p-40) {  // as fine as its ends are known: its error stays
+      if (parent.high - parent.low < 0x1p-40) {
         finished_.push_back(parent);
         error -= parent.weighed_error;
-        target -= parent.weighed_error;
+        settled += parent.weighed_error;
         continue;
       }
       Panel half[2] = {parent, parent};
@@ -153,12 +177,10 @@ class AdaptiveQuadrature {
     }
     for (const Panel& panel : panels_) total.value = total.value + panel.value, total.error = total.error + panel.error;
     for (const Panel& panel : finished_) total.value = total.value + panel.value, total.error = total.error + panel.error;
-    finished_.clear();
-    total.reached = !(error > target);
+    total.reached = !(error + settled > target);
     return total;
   }
 
- private:
   // A stretch of [-1, 1], mapped onto the stretch between two breakpoints so that square roots at its ends become smooth.
   struct Panel {
     std::array<Breakpoint, 2> base;
@@ -181,6 +203,7 @@ class AdaptiveQuadrature {
   }
 
   template <class F> void evaluate(const F& f, Panel& panel) {
+    ++evaluated_;
     const LobattoRule& rule = LobattoRule::instance();
     // The function may jump at the very ends of a panel: it is asked just inside them.
     constexpr double inside = 1 - 0x1p-36;
@@ -199,6 +222,7 @@ class AdaptiveQuadrature {
   }
 
   std::vector<Panel> panels_, finished_;
+  int evaluated_ = 0;
 };
 
 }  // namespace equilux

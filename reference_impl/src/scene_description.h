@@ -97,6 +97,7 @@ struct SceneDescription {
   bool attenuated_shadows = true;   // raytraced: false: objects with t > 0 cast none
   bool infinite_viewer = false;     // opengl
   bool has_environment = false;     // reflection_equation; its radiance is `background`
+  double error_target = 1e-6;       // reflection_equation: asked of every integral, relative to what would come unblocked
   CameraDescription camera;
   int width = 1, height = 1;
   Bands ambient, background;

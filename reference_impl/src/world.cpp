@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <string>
 
+#include "emitters.h"
 #include "placement.h"
 
 namespace equilux {
@@ -59,7 +60,7 @@ double curvature_of(Solid solid, const Matrix3<DoubleDouble>& to_world, const Ma
 
 }  // namespace
 
-World::World(SceneDescription scene) : description(std::move(scene)), camera(description) {
+World::World(SceneDescription scene) : description(with_emitters(std::move(scene))), camera(description) {
   eye_size = largest(camera.eye);
   if (!(eye_size < largest_length)) throw TracerError("camera: the eye is farther than 1e60 m from the origin");
   objects.resize(description.objects.size());

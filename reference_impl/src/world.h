@@ -91,6 +91,11 @@ class World {
   TransportBoxes transport;
   double eye_size = 0;         // largest |coordinate| of the eye: the rounding of the spec's own numbers is relative to it
 
+  // Emitters are the last of the objects (emitters.h).
+  int first_emitter() const { return static_cast<int>(objects.size() - description.emitters.size()); }
+  // Of the channels with an axis of lights: delta lights, emitters, environment.
+  std::size_t light_count() const { return lights.size() + description.emitters.size() + (description.has_environment ? 1 : 0); }
+
  private:
   void place_object(int index);
   void place_mesh(int index, const Placement& placement);

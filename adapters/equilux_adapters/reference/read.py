@@ -16,4 +16,13 @@ def read(raw: RawRender) -> Reading:
         "geometry is found in double-double and adds nothing to it",
         abs=np.load(raw.files["rounding"], allow_pickle=False),
     )
-    return Reading(image, Budget((arithmetic,)))
+    error = np.load(raw.files["quadrature"], allow_pickle=False)
+    if not error.any():
+        return Reading(image, Budget((arithmetic,)))
+    quadrature = Bound(
+        "quadrature",
+        "error of the integrals over extended emitters, per pixel: estimated from the decay of each panel's Legendre "
+        "coefficients, added up without regard to sign (reference_impl/src/quadrature.h)",
+        abs=error,
+    )
+    return Reading(image, Budget((arithmetic, quadrature)))

@@ -13,16 +13,19 @@ from equilux_adapters.reference.translate import MESH_PARTS, mesh_file
 from equilux_scenes.mesh import TriangleMesh
 from equilux_scenes.model import Scene
 
+BOUNDS = ("rounding", "quadrature")
+"""The tracer's channels that bound the error of its radiance."""
+
 
 def render(program: Program, program_dir: Path, workdir: Path, knobs: ReferenceKnobs) -> RawRender:
-    """Radiance, and the bound of its rounding, both float64 (h, w, 3). Raises RendererFailed where the tracer refuses."""
+    """Radiance and the bounds of its error, all float64 (h, w, 3). Raises RendererFailed where the tracer refuses."""
     started = time.perf_counter()
     from equilux_tracer import EMBREE_VERSION, Tracer, TracerError
 
     case = _case(program, program_dir)
     loaded = time.perf_counter()
     try:
-        arrays = Tracer(case).render(("radiance", "rounding"), threads=knobs.threads)
+        arrays = Tracer(case, error_target=knobs.error_target).render(("radiance", *BOUNDS), threads=knobs.threads)
     except TracerError as error:
         raise RendererFailed(str(error)) from None
     files = {}

@@ -1,0 +1,520 @@
+#include "blockers.h"
+
+#include "placement.h"
+#include "shapes/dispatch.h"
+
+namespace equilux {
+namespace {
+
+constexpr double touching = 1e-12;  // of the lengths involved: surfaces nearer than that coincide
+constexpr std::size_t cluster_size = 24;
+
+Matrix3<double> to_double(const Matrix3<DoubleDouble>& m) {
+  return {{equilux::to_double(m.column[0]), equilux::to_double(m.column[1]), equilux::to_double(m.column[2])}};
+}
+
+double bounding_radius(Solid solid, const Matrix3<double>& columns) {
+  double sum = 0;  // of the box around the canonical shape; exact enough for culling
+  for (const Vec3d& column : columns.column) sum += dot(column, column);
+  const bool round = solid == Solid::sphere;
+  if (round) {
+    double size = 0;
+    for (const Vec3d& column : columns.column) size = std::max(size, length(column));
+    return std::min(std::sqrt(sum), size * std::sqrt(3.0));
+  }
+  return std::sqrt(sum);
+}
+
+bool is_flat(Solid solid) { return solid == Solid::plane || solid == Solid::disc || solid == Solid::rectangle; }
+bool is_convex(Solid solid) { return solid != Solid::cylinder_open && solid != Solid::mesh; }
+
+// Does the ball meet the hull of the point and the emitter, above the horizon?
+bool ball_may_block(const Vec3d& centre, double radius, const Vec3d& normal, const EmitterView& emitter) {
+  if (dot(normal, centre) + radius <= touching * (length(centre) + radius)) return false;
+  if (emitter.kind == EmitterView::Kind::environment) return true;
+  const double distance = length(centre);
+  if (distance <= radius) return true;
+  const double apart = std::atan2(length(cross(emitter.towards, centre)), dot(emitter.towards, centre));
+  if (apart > emitter.half_angle + std::asin(radius / distance) + 1e-9) return false;
+  if (emitter.flat()) return dot(emitter.normal, centre) + emitter.height > -radius;
+  return distance - radius < length(emitter.centre);
+}
+
+// A plane through the point that has the emitter on its other side shows that a shape on this side is not in between.
+template <class Shape> bool beside(const Shape& shape, const Vec3d& m, double tolerance) {
+  return dot(m, shape.centre) - half_extent(shape.solid, transposed_times(shape.columns, m)) >= -tolerance;
+}
+
+}  // namespace
+
+Obstacles::Obstacles(const World& given) : world(given) {
+  for (std::size_t i = 0; i < world.objects.size(); ++i) {
+    const Object& object = world.objects[i];
+    if (object.solid == Solid::mesh) continue;
+    const ObjectDescription& described = world.description.objects[i];
+    const Placement placement = chained(canonical_to_object(described), object_to_eye(described, world.camera.eye));
+    shapes.push_back({object.solid, static_cast<int>(i), to_double(object.to_canonical_linear), to_double(placement.linear), placement});
+  }
+  for (const MeshObject& mesh : world.meshes) {
+    for (std::size_t first = 0; first < mesh.given->faces.size(); first += cluster_size) {
+      Cluster cluster{mesh.object, {}, 0, triangles.size(), 0};
+      Vec3d lower{1e300, 1e300, 1e300}, upper = -lower;
+      for (std::size_t i = first; i < std::min(first + cluster_size, mesh.given->faces.size()); ++i) {
+        std::array<Vec3d, 3> triangle;
+        for (std::size_t k = 0; k < 3; ++k) {
+          const Vec3d v = triangle[k] = equilux::to_double(mesh.vertex(mesh.given->faces[i][k]));
+          lower = {std::min(lower.x, v.x), std::min(lower.y, v.y), std::min(lower.z, v.z)};
+          upper = {std::max(upper.x, v.x), std::max(upper.y, v.y), std::max(upper.z, v.z)};
+        }
+        triangles.push_back(triangle);
+      }
+      cluster.last = triangles.size();
+      cluster.centre = (lower + upper) * 0.5;
+      cluster.radius = 0.5 * length(upper - lower) * (1 + 1e-9);
+      clusters.push_back(cluster);
+    }
+  }
+}
+
+void Blockers::gather(const Obstacles& obstacles, const ShadedPoint& point, const EmitterView& emitter, int emitter_object) {
+  emitter_ = &emitter;
+  shapes_.clear();
+  triangles_.clear();
+  const Vec3d position = to_double(point.position);
+  const double eye_distance = length(position);
+
+  for (const Obstacles::Shape& given : obstacles.shapes) {
+    if (given.object == emitter_object) continue;
+    const bool own = given.object == point.object;
+    if (own && (is_flat(given.solid) || (point.outside && is_convex(given.solid)))) continue;
+    Shape shape{given.solid, own, false, false, {}, given.back, given.columns, {}};
+    const Object& object = obstacles.world.objects[static_cast<std::size_t>(given.object)];
+    shape.o = to_double(object.to_canonical_linear * point.position + object.exact.eye);
+    shape.centre = to_double(given.placement.origin - point.position);
+    if (is_flat(given.solid) && std::fabs(shape.o.z) <= touching * (1 + length(shape.o))) continue;  // seen edge-on
+    const Vec3d row_z = {shape.back.column[0].z, shape.back.column[1].z, shape.back.column[2].z};
+    const double tolerance = touching * (length(shape.centre) + bounding_radius(given.solid, shape.columns));
+    if (emitter.kind != EmitterView::Kind::environment) {
+      if (is_flat(given.solid)) {  // point and emitter on one side of it
+        const double middle = shape.o.z + dot(row_z, emitter.centre), reach = emitter.reach(row_z);
+        if (shape.o.z > 0 ? middle - reach >= -touching * shape.o.z : middle + reach <= -touching * shape.o.z) continue;
+      }
+    }
+    if (given.solid != Solid::plane) {
+      if (beside(shape, -point.normal, tolerance)) continue;
+      if (!ball_may_block(shape.centre, bounding_radius(given.solid, shape.columns), point.normal, emitter)) continue;
+      if (emitter.flat() && beside(shape, -emitter.normal, -(emitter.height - tolerance))) continue;  // beyond it
+      if (emitter.kind == EmitterView::Kind::rectangle) {
+        bool apart = false;
+        for (int k = 0; k < 4 && !apart; ++k) {
+          Vec3d m = cross(emitter.corner[k], emitter.corner[(k + 1) % 4]);
+          const double size = length(m);
+          if (!(size > 0)) continue;
+          m = m * ((dot(m, emitter.centre) > 0 ? -1 : 1) / size);
+          apart = beside(shape, m, tolerance);
+        }
+        if (apart) continue;
+      } else if (emitter.kind != EmitterView::Kind::environment && emitter.half_angle < 0.49 * pi) {
+        const Vec3d across = shape.centre - emitter.towards * dot(shape.centre, emitter.towards);
+        const double size = length(across);
+        if (size > 0 && beside(shape, across * (std::cos(emitter.half_angle) / size) - emitter.towards * std::sin(emitter.half_angle), tolerance)) {
+          continue;
+        }
+        // the visible part of a sphere ends where the cone touches it
+        if (emitter.kind == EmitterView::Kind::sphere) {
+          const double depth = length(emitter.centre) * std::cos(emitter.cone) * std::cos(emitter.cone);
+          if (beside(shape, emitter.towards, -depth)) continue;
+        }
+      }
+    }
+    switch (given.solid) {
+      case Solid::sphere: shape.inside = own || dot(shape.o, shape.o) <= 1; break;
+      case Solid::cylinder_capped:
+      case Solid::cylinder_open: shape.inside = shape.o.x * shape.o.x + shape.o.y * shape.o.y <= 1 + (own ? 1e-9 : 0); break;
+      default: break;
+    }
+    if (emitter.flat()) {  // does part of it lie beyond the emitter's plane?
+      const Vec3d m = emitter.normal;
+      shape.pierces = given.solid == Solid::plane ||
+                      dot(m, shape.centre) + emitter.height < half_extent(given.solid, transposed_times(shape.columns, m)) + tolerance;
+    } else if (emitter.kind == EmitterView::Kind::sphere) {
+      shape.pierces = true;
+      const Vec3d at = shape.o + shape.back * emitter.centre;  // the emitter's centre in the canonical frame
+      const double coordinate[3] = {at.x, at.y, at.z};
+      for (int k = 0; k < 3; ++k) {
+        const auto component = [k](const Vec3d& v) { return k == 0 ? v.x : k == 1 ? v.y : v.z; };
+        const double row = std::sqrt(component(shape.back.column[0]) * component(shape.back.column[0]) +
+                                     component(shape.back.column[1]) * component(shape.back.column[1]) +
+                                     component(shape.back.column[2]) * component(shape.back.column[2]));
+        if (given.solid == Solid::plane && k != 2) continue;
+        const double half = is_flat(given.solid) && k == 2 ? 0 : 1;
+        if (std::fabs(coordinate[k]) > half + emitter.radius * row) shape.pierces = false;
+      }
+      if (given.solid != Solid::plane &&
+          length(shape.centre - emitter.centre) > emitter.radius + bounding_radius(given.solid, shape.columns)) {
+        shape.pierces = false;
+      }
+    }
+    shapes_.push_back(shape);
+  }
+
+  for (const Obstacles::Cluster& cluster : obstacles.clusters) {
+    if (!ball_may_block(cluster.centre - position, cluster.radius, point.normal, emitter)) continue;
+    for (std::size_t i = cluster.first; i < cluster.last; ++i) {
+      const std::array<Vec3d, 3>& given = obstacles.triangles[i];
+      Triangle triangle{{given[0] - position, given[1] - position, given[2] - position}};
+      const auto& [a, b, c] = triangle.corner;
+      const Vec3d m = cross(b - a, c - a);
+      const double size = eye_distance + length(a) + length(b) + length(c), here = dot(m, a);
+      if (std::fabs(here) <= 1e-13 * size * length(m)) continue;  // seen edge-on, the point's own triangle among them
+      if (std::max({dot(point.normal, a), dot(point.normal, b), dot(point.normal, c)}) <= touching * size) continue;
+      if (emitter.kind != EmitterView::Kind::environment) {
+        const double far = dot(m, emitter.centre) - here, reach = emitter.reach(m);  // the point is at −here
+        if (here > 0 ? far + reach <= 0 : far - reach >= 0) continue;
+      }
+      if (emitter.kind == EmitterView::Kind::rectangle) {
+        bool apart = false;
+        for (int k = 0; k < 4 && !apart; ++k) {
+          Vec3d side = cross(emitter.corner[k], emitter.corner[(k + 1) % 4]);
+          if (dot(side, emitter.centre) > 0) side = -side;
+          apart = dot(side, a) >= 0 && dot(side, b) >= 0 && dot(side, c) >= 0;
+        }
+        if (apart) continue;
+      }
+      if (emitter.flat()) {
+        const auto above = [&](const Vec3d& v) { return dot(emitter.normal, v) + emitter.height; };
+        if (std::max({above(a), above(b), above(c)}) <= touching * size) continue;
+      }
+      triangles_.push_back(triangle);
+    }
+  }
+}
+
+// --- one half-plane ---------------------------------------------------------------------------------------------------
+
+namespace {
+
+void add_angle(double along, double across, std::vector<double>& out) {
+  if (across > 0) out.push_back(std::atan2(across, along));
+}
+
+// Where the chord of the half-plane with the canonical plane z = level, clipped by `clip`, ends. A', B': the half-plane's axes there.
+template <class Clip>
+void chord_angles(const Vec3d& o, const Vec3d& A, const Vec3d& B, double level, const Clip& clip, std::vector<double>& out) {
+  const double slope = std::hypot(A.z, B.z);
+  if (!(slope > 0)) return;
+  const double nearest = (level - o.z) / slope, na = A.z / slope, nb = B.z / slope;  // (x, y) = nearest (na, nb) + s (−nb, na)
+  const Vec3d from = o + A * (nearest * na) + B * (nearest * nb), along = B * na - A * nb;
+  double low, high;
+  if (!clip(from, along, low, high)) return;
+  for (const double s : {low, high}) {
+    if (std::isfinite(s)) add_angle(nearest * na - s * nb, nearest * nb + s * na, out);
+  }
+}
+
+bool clip_by_disc(const Vec3d& from, const Vec3d& along, double& low, double& high) {
+  const double dd = along.x * along.x + along.y * along.y;
+  if (!(dd > 0)) return false;
+  const double middle = -(from.x * along.x + from.y * along.y) / dd;
+  const double x = from.x + middle * along.x, y = from.y + middle * along.y, rest = (1 - (x * x + y * y)) / dd;
+  if (!(rest > 0)) return false;
+  low = middle - std::sqrt(rest);
+  high = middle + std::sqrt(rest);
+  return true;
+}
+
+bool clip_by_square(const Vec3d& from, const Vec3d& along, double& low, double& high) {
+  low = -std::numeric_limits<double>::infinity();
+  high = -low;
+  const double position[2] = {from.x, from.y}, direction[2] = {along.x, along.y};
+  for (int k = 0; k < 2; ++k) {
+    if (direction[k] == 0) {
+      if (std::fabs(position[k]) > 1) return false;
+      continue;
+    }
+    const double a = (-1 - position[k]) / direction[k], b = (1 - position[k]) / direction[k];
+    low = std::max(low, std::min(a, b));
+    high = std::min(high, std::max(a, b));
+  }
+  return low < high;
+}
+
+void box_angles(const Vec3d& centre, const Matrix3<double>& columns, const HalfPlane& plane, std::vector<double>& out) {
+  Vec3d corner[8];
+  double side[8];
+  for (int i = 0; i < 8; ++i) {
+    corner[i] = centre + columns.column[0] * (i & 1 ? 1.0 : -1.0) + columns.column[1] * (i & 2 ? 1.0 : -1.0) +
+                columns.column[2] * (i & 4 ? 1.0 : -1.0);
+    side[i] = dot(plane.normal, corner[i]);
+  }
+  for (int i = 0; i < 8; ++i) {
+    for (int axis = 1; axis < 8; axis *= 2) {
+      const int j = i | axis;
+      if (j == i || (side[i] < 0) == (side[j] < 0)) continue;
+      const Vec3d at = corner[i] + (corner[j] - corner[i]) * (side[i] / (side[i] - side[j]));
+      add_angle(dot(at, plane.a), dot(at, plane.b), out);
+    }
+  }
+}
+
+}  // namespace
+
+void Blockers::outline_angles(const Shape& shape, const HalfPlane& plane, std::vector<double>& out) const {
+  if (shape.solid == Solid::box) return box_angles(shape.centre, shape.columns, plane, out);
+  const Vec3d A = shape.back * plane.a, B = shape.back * plane.b;
+  const Vec3d& o = shape.o;
+  switch (shape.solid) {
+    case Solid::plane: {
+      double angle = std::atan2(A.z, -B.z);
+      if (angle < 0) angle += pi;
+      out.push_back(angle);
+      break;
+    }
+    case Solid::sphere: {
+      if (shape.inside) break;
+      const Vec3d P = cross(o, A), Q = cross(o, B);  // the line touches where |o × d| = |d|
+      double root[2];
+      if (roots_of_form(dot(A, A) - dot(P, P), dot(A, B) - dot(P, Q), dot(B, B) - dot(Q, Q), root)) out.insert(out.end(), root, root + 2);
+      break;
+    }
+    case Solid::disc:
+      chord_angles(o, A, B, 0, clip_by_disc, out);
+      break;
+    case Solid::rectangle:
+      chord_angles(o, A, B, 0, clip_by_square, out);
+      break;
+    case Solid::cylinder_capped:
+    case Solid::cylinder_open: {
+      chord_angles(o, A, B, -1, clip_by_disc, out);
+      chord_angles(o, A, B, 1, clip_by_disc, out);
+      if (shape.inside) break;
+      const double P = o.x * A.y - o.y * A.x, Q = o.x * B.y - o.y * B.x;
+      double root[2];
+      if (roots_of_form(A.x * A.x + A.y * A.y - P * P, A.x * B.x + A.y * B.y - P * Q, B.x * B.x + B.y * B.y - Q * Q, root)) {
+        out.insert(out.end(), root, root + 2);
+      }
+      break;
+    }
+    default:
+      break;
+  }
+}
+
+bool Blockers::blocks(const Shape& shape, const Vec3d& direction) const {
+  const Vec3d d = shape.back * direction;
+  const LocalRay<double> ray{shape.o, d, magnitudes(shape.o), magnitudes(d)};
+  const Crossings<double> all = crossings(shape.solid, ray);
+  const double nearest = shape.own ? 1e-9 / length(d) : 0, farthest = emitter_->distance(direction) * (1 - 1e-10);
+  for (int i = 0; i < all.count; ++i) {
+    if (all.at[i].s > nearest && all.at[i].s < farthest) return true;
+  }
+  return false;
+}
+
+void Blockers::piercing_angles(const Shape& shape, const HalfPlane& plane, Stretch within, std::vector<double>& out) const {
+  if (emitter_->flat()) {  // along the line where the half-plane meets the emitter's plane
+    const double na = dot(emitter_->normal, plane.a), nb = dot(emitter_->normal, plane.b), slope2 = na * na + nb * nb;
+    if (!(slope2 > 0)) return;
+    const double x0 = -emitter_->height * na / slope2, y0 = -emitter_->height * nb / slope2;
+    const Vec3d A = shape.back * plane.a, B = shape.back * plane.b, o = shape.o + A * x0 + B * y0, d = B * na - A * nb;
+    const LocalRay<double> line{o, d, magnitudes(shape.o) + magnitudes(A * x0) + magnitudes(B * y0), magnitudes(d)};
+    const Crossings<double> all = crossings(shape.solid, line);
+    for (int i = 0; i < all.count; ++i) add_angle(x0 - all.at[i].s * nb, y0 + all.at[i].s * na, out);
+    return;
+  }
+  if (emitter_->kind != EmitterView::Kind::sphere) return;
+  constexpr int rays = 16;
+  std::vector<double> ends = {within.low, within.high};
+  for (const double angle : out) {
+    if (angle > within.low && angle < within.high) ends.push_back(angle);
+  }
+  std::sort(ends.begin(), ends.end());
+  const auto blocked = [&](double angle) { return blocks(shape, plane.direction(angle)); };
+  for (std::size_t i = 0; i + 1 < ends.size(); ++i) {
+    double last = ends[i];
+    bool before = false;
+    for (int k = 0; k < rays; ++k) {
+      const double here = ends[i] + (ends[i + 1] - ends[i]) * (k + 0.5) / rays;
+      const bool now = blocked(here);
+      if (k > 0 && now != before) {
+        double low = last, high = here;
+        for (int step = 0; step < 48; ++step) (blocked(0.5 * (low + high)) == before ? low : high) = 0.5 * (low + high);
+        out.push_back(0.5 * (low + high));
+      }
+      before = now;
+      last = here;
+    }
+  }
+}
+
+void Blockers::triangle_gap(const Triangle& triangle, const HalfPlane& plane, Gaps& out) const {
+  double side[3];
+  for (int k = 0; k < 3; ++k) side[k] = dot(plane.normal, triangle.corner[k]);
+  Vec3d end[2];
+  int count = 0;
+  for (int k = 0; k < 3 && count < 2; ++k) {
+    const int j = (k + 1) % 3;
+    if ((side[k] < 0) == (side[j] < 0)) continue;
+    end[count++] = triangle.corner[k] + (triangle.corner[j] - triangle.corner[k]) * (side[k] / (side[k] - side[j]));
+  }
+  if (count < 2) return;
+  if (emitter_->flat()) {  // only what is on this side of the emitter's plane
+    const auto above = [&](const Vec3d& v) { return dot(emitter_->normal, v) + emitter_->height * (1 - 1e-10); };
+    const double first = above(end[0]), second = above(end[1]);
+    if (first <= 0 && second <= 0) return;
+    if (first <= 0) end[0] = end[0] + (end[1] - end[0]) * (first / (first - second));
+    if (second <= 0) end[1] = end[1] + (end[0] - end[1]) * (second / (second - first));
+  }
+  double x[2], y[2];
+  for (int k = 0; k < 2; ++k) x[k] = dot(end[k], plane.a), y[k] = dot(end[k], plane.b);
+  if (y[0] <= 0 && y[1] <= 0) return;
+  for (int k = 0; k < 2; ++k) {
+    if (y[k] >= 0) continue;
+    const int other = 1 - k;
+    x[k] += (x[other] - x[k]) * (y[k] / (y[k] - y[other]));
+    y[k] = 0;
+  }
+  const double first = std::atan2(y[0], x[0]), second = std::atan2(y[1], x[1]);
+  Stretch gap{std::min(first, second), std::max(first, second)};
+  if (emitter_->kind == EmitterView::Kind::sphere) {
+    // Parts of the segment beyond the sphere's surface do not block: the line and the circle in which the half-plane cuts the sphere.
+    const auto nearer = [&](double angle) {
+      const Vec3d direction = plane.direction(angle);
+      const double c = std::cos(angle), s = std::sin(angle), dx = x[1] - x[0], dy = y[1] - y[0];
+      const double along = (x[0] * dy - y[0] * dx) / (c * dy - s * dx);
+      return along < emitter_->distance(direction) * (1 - 1e-10);
+    };
+    const double cx = dot(emitter_->centre, plane.a), cy = dot(emitter_->centre, plane.b), off = dot(emitter_->centre, plane.normal);
+    const double dx = x[1] - x[0], dy = y[1] - y[0], dd = dx * dx + dy * dy, middle = ((cx - x[0]) * dx + (cy - y[0]) * dy) / dd;
+    const double qx = x[0] + middle * dx - cx, qy = y[0] + middle * dy - cy;
+    const double rest = (emitter_->radius * emitter_->radius - off * off - qx * qx - qy * qy) / dd;
+    double cut[4] = {gap.low, gap.high, gap.high, gap.high};
+    int cuts = 1;
+    if (rest > 0) {
+      for (const double s : {middle - std::sqrt(rest), middle + std::sqrt(rest)}) {
+        const double angle = std::atan2(y[0] + s * dy, x[0] + s * dx);
+        if (s > 0 && s < 1 && angle > gap.low && angle < gap.high) cut[cuts++] = angle;
+      }
+      if (cuts == 3 && cut[1] > cut[2]) std::swap(cut[1], cut[2]);
+      cut[cuts] = gap.high;
+    }
+    for (int k = 0; k < cuts; ++k) {
+      if (nearer(0.5 * (cut[k] + cut[k + 1]))) out.add(cut[k], cut[k + 1]);
+    }
+    return;
+  }
+  out.add(gap.low, gap.high);
+}
+
+void Blockers::gaps(const HalfPlane& plane, Stretch within, Gaps& out) {
+  out.clear();
+  for (const Shape& shape : shapes_) {
+    angles_.clear();
+    outline_angles(shape, plane, angles_);
+    if (shape.pierces) piercing_angles(shape, plane, within, angles_);
+    std::erase_if(angles_, [&](double angle) { return !(angle > within.low && angle < within.high); });
+    angles_.push_back(within.high);
+    std::sort(angles_.begin(), angles_.end());
+    double from = within.low;
+    for (const double to : angles_) {
+      if (to > from && blocks(shape, plane.direction(0.5 * (from + to)))) out.add(from, to);
+      from = to;
+    }
+  }
+  for (const Triangle& triangle : triangles_) triangle_gap(triangle, plane, out);
+}
+
+// --- across half-planes -----------------------------------------------------------------------------------------------
+
+// The half-planes that touch an ellipsoid (three columns) or an ellipse (two): m·centre = ± |Mᵀ m|, m = axis × b(α).
+void Blockers::tangents(const Vec3d& centre, const Vec3d* columns, int count, std::vector<Breakpoint>& out) const {
+  const Pencil& pencil = emitter_->pencil;
+  const Vec3d& f = pencil.quarter;
+  const Vec3d g = -pencil.zero;  // m = f cos α + g sin α
+  double P = dot(f, centre) * dot(f, centre), Q = dot(f, centre) * dot(g, centre), R = dot(g, centre) * dot(g, centre);
+  for (int k = 0; k < count; ++k) {
+    P -= dot(f, columns[k]) * dot(f, columns[k]);
+    Q -= dot(f, columns[k]) * dot(g, columns[k]);
+    R -= dot(g, columns[k]) * dot(g, columns[k]);
+  }
+  double root[2];
+  if (!roots_of_form(P, Q, R, root)) return;
+  for (const double at : root) {
+    for (const double azimuth : {at, at - pi}) {
+      // The other half of the same plane touches it on the far side of the axis: only the half that holds the point of contact counts.
+      const Vec3d m = f * std::cos(azimuth) + g * std::sin(azimuth);
+      Vec3d contact = centre;
+      double size2 = 0;
+      for (int k = 0; k < count; ++k) size2 += dot(m, columns[k]) * dot(m, columns[k]);
+      if (!(size2 > 0)) continue;
+      for (int k = 0; k < count; ++k) contact = contact - columns[k] * (dot(m, columns[k]) * dot(m, centre) / size2);
+      const Vec3d b = pencil.zero * std::cos(azimuth) + pencil.quarter * std::sin(azimuth);
+      if (dot(contact, b) >= 0) out.push_back({azimuth, true});
+    }
+  }
+}
+
+void Blockers::extent_of(const Shape& shape, std::vector<Breakpoint>& out) const {
+  const Pencil& pencil = emitter_->pencil;
+  const Vec3d* column = shape.columns.column;
+  switch (shape.solid) {
+    case Solid::sphere:
+      if (!shape.inside) tangents(shape.centre, column, 3, out);
+      break;
+    case Solid::disc:
+      tangents(shape.centre, column, 2, out);
+      break;
+    case Solid::cylinder_capped:
+    case Solid::cylinder_open:
+      tangents(shape.centre - column[2], column, 2, out);
+      tangents(shape.centre + column[2], column, 2, out);
+      break;
+    case Solid::box:
+      for (int i = 0; i < 8; ++i) {
+        out.push_back({pencil.azimuth(shape.centre + column[0] * (i & 1 ? 1.0 : -1.0) + column[1] * (i & 2 ? 1.0 : -1.0) +
+                                      column[2] * (i & 4 ? 1.0 : -1.0)),
+                       false});
+      }
+      break;
+    case Solid::rectangle:
+      for (int i = 0; i < 4; ++i) {
+        out.push_back({pencil.azimuth(shape.centre + column[0] * (i & 1 ? 1.0 : -1.0) + column[1] * (i & 2 ? 1.0 : -1.0)), false});
+      }
+      break;
+    default:
+      break;
+  }
+}
+
+void Blockers::breakpoints(const Vec3d& normal, std::vector<Breakpoint>& out) {
+  const Pencil& pencil = emitter_->pencil;
+  // Great circles that bound what is seen: the horizon, and a rectangle's edges along edge_v.
+  Vec3d circles[3] = {normal, {}, {}};
+  int count = 1;
+  if (emitter_->kind == EmitterView::Kind::rectangle) {
+    circles[count++] = unit(cross(emitter_->corner[0], emitter_->corner[3]));
+    circles[count++] = unit(cross(emitter_->corner[1], emitter_->corner[2]));
+  }
+  for (const Shape& shape : shapes_) {
+    extent_of(shape, out);
+    for (int k = 0; k < count; ++k) {
+      HalfPlane circle;
+      complete_frame(circles[k], circle.a, circle.b);
+      circle.normal = circles[k];
+      for (const double turn : {1.0, -1.0}) {
+        const HalfPlane half{circle.a, circle.b * turn, circle.normal * turn};
+        angles_.clear();
+        outline_angles(shape, half, angles_);
+        for (const double angle : angles_) out.push_back({pencil.azimuth(half.direction(angle)), false});
+      }
+    }
+  }
+  constexpr std::size_t few = 16;
+  if (triangles_.size() <= few) {
+    for (const Triangle& triangle : triangles_) {
+      for (const Vec3d& corner : triangle.corner) out.push_back({pencil.azimuth(corner), false});
+    }
+  }
+}
+
+}  // namespace equilux
