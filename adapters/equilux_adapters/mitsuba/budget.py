@@ -109,9 +109,9 @@ def budget_of(facts: Mapping[str, Any], picture: Mapping[str, npt.NDArray[Any]],
         terms.append(Sampled("sampling", reason, sigma=picture["sigma"], repeats=repeats))
     reason = "single precision: of factors (relative) and of the cosines of the directions in them (Q1)"
     terms.append(Bound("arithmetic", reason, abs=_of_cosines(facts, seen), rel=VALUE_ROUNDINGS * U))
-    if facts["occlusion"]:
-        reason = "shadow rays start RayEpsilon off the surface: shadows are displaced, by so much on the film (Q9)"
-        terms.append(Bound("ray offset", reason, abs=seen.shadow_px[..., None] * _local_range(picture)))
+    if "offset" in picture:
+        reason = "shadow rays start RayEpsilon off the surface: twice what starting twice as far off changes (Q9)"
+        terms.append(Bound("ray offset", reason, abs=2 * _largest_around(picture["offset"], picture["object"])))
     if facts["plane"] and any(facts["environment"]):
         reason = "the disc in place of the plane ends, and light comes from beyond it (Q11)"
         strip = 2 * math.pi / PLANE_RADIUS * (seen.diffuse + seen.specular) * facts["environment"]
@@ -184,20 +184,16 @@ def _solid_angle(light: Mapping[str, Any], seen: _Seen) -> Floats:
     return np.asarray(2 * math.pi * (1 - np.sqrt(1 - sine**2)))
 
 
-def _local_range(picture: Mapping[str, npt.NDArray[Any]]) -> Floats:
-    """(h, w, 3): by how much radiance differs among the 3×3 pixels around, as far as they show the same object."""
-    image, number = picture["image"], picture["object"]
-    least, most = image.copy(), image.copy()
+def _largest_around(image: Floats, number: npt.NDArray[Any]) -> Floats:
+    """(h, w, 3): the maximum over the 3×3 pixels around, as far as they show the same object."""
     height, width = number.shape
     framed = np.pad(image, ((1, 1), (1, 1), (0, 0)), mode="edge")
     numbers = np.pad(number, 1, mode="edge")
-    for row in range(3):
-        for column in range(3):
-            beside = framed[row : row + height, column : column + width]
-            same = (numbers[row : row + height, column : column + width] == number)[..., None]
-            least = np.minimum(least, np.where(same, beside, least))
-            most = np.maximum(most, np.where(same, beside, most))
-    return np.asarray(most - least)
+    largest = image
+    for row, column in np.ndindex(3, 3):
+        part = np.s_[row : row + height, column : column + width]
+        largest = np.maximum(largest, np.where((numbers[part] == number)[..., None], framed[part], 0.0))
+    return largest
 
 
 def _film_px(facts: Mapping[str, Any], seen: _Seen) -> float:

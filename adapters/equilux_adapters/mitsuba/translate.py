@@ -99,6 +99,8 @@ def _picture(case: Case, knobs: MitsubaKnobs) -> list[str]:
     glowing = {index: scene.materials[obj.material].emission for index, obj in enumerate(scene.objects)}
     shown = [f"{index}: {triple(bands)}" for index, bands in glowing.items() if any(bands)]
     settings.append(f"emission={{{', '.join(shown)}}}")
+    if sampled and "occlusion" in case.requires:
+        settings.append("soft_shadows=True")
     if any(scene.background):
         settings.append(f"background={triple(scene.background)}")
     return [

@@ -17,6 +17,9 @@ Array = npt.NDArray[np.float64]
 LANES = 1 << 20
 """Light paths computed at once."""
 
+OFFSET_REPEATS = 4
+"""Repeats in which the offset of shadow rays is varied."""
+
 
 @dataclass
 class View:
@@ -47,48 +50,86 @@ class View:
 
 
 def render(
-    scene: Any, view: View, samples: int, repeats: int, emission: Mapping[int, Triple], background: Triple = (0, 0, 0)
+    scene: Any,
+    view: View,
+    samples: int,
+    repeats: int,
+    emission: Mapping[int, Triple],
+    background: Triple = (0, 0, 0),
+    soft_shadows: bool = False,
 ) -> dict[str, npt.NDArray[Any]]:
     """image: radiance, the mean of the repeats; sigma: standard deviation of that mean (0 for one repeat); position: of the
-    point seen, metres; object: its number, -1 for a light, -2 for nothing; facing: the cosine between surface and ray.
+    point seen, metres; object: its number, -1 for a light, -2 for nothing; facing: the cosine between surface and ray; offset:
+    what the offset of shadow rays may change in soft shadows.
 
     emission: of objects, by number. It is seen and lights nothing, so that it cannot be an emitter of Mitsuba's: it is added
     where the object is seen. background likewise, where nothing is seen.
     """
     origins, directions = view.rays()
     count, block = len(origins), max(2, LANES // samples)
-    image, sigma, position = np.zeros((count, 3)), np.zeros((count, 3)), np.zeros((count, 3))
-    seen, facing = np.zeros(count, dtype=np.int32), np.zeros(count)
+    parts = []
     for start in range(0, count, block):
         part = slice(start, min(start + block, count))
         rays = mi.RayDifferential3f(o=mi.Point3f(as_float32(origins[part])), d=mi.Vector3f(as_float32(directions[part])))
-        position[part], seen[part], facing[part] = first_hits(scene, rays)
-        seeds = range(start * repeats, (start + 1) * repeats)
-        means = np.stack([one_repeat(scene, rays, part.stop - part.start, samples, seed) for seed in seeds])
-        image[part] = means.mean(axis=0)
-        if repeats > 1:
-            sigma[part] = means.std(axis=0, ddof=1) / np.sqrt(repeats)
+        seeds = [start * (repeats + OFFSET_REPEATS) + index for index in range(repeats + OFFSET_REPEATS)]
+        shown = first_hits(scene, rays)
+        shown |= scatter(np.stack([one_repeat(scene, rays, samples, seed) for seed in seeds[:repeats]]))
+        if soft_shadows:
+            changes = [change_by_offset(scene, rays, samples, seed) for seed in seeds[repeats:]]
+            shown["offset"] = np.abs(np.mean(changes, axis=0))
+        parts.append(shown)
+    whole = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
     for number, radiance in emission.items():
-        image[seen == number] += radiance
-    image[seen == -2] += background
-    shape = (view.height, view.width)
-    flat: dict[str, npt.NDArray[Any]] = {"image": image, "sigma": sigma, "position": position, "object": seen, "facing": facing}
-    return {name: array.reshape(*shape, *array.shape[1:]) for name, array in flat.items()}
+        whole["image"][whole["object"] == number] += radiance
+    whole["image"][whole["object"] == -2] += background
+    return {name: array.reshape(view.height, view.width, *array.shape[1:]) for name, array in whole.items()}
 
 
-def one_repeat(scene: Any, rays: Any, count: int, samples: int, seed: int) -> Array:
-    """(count, 3): the mean radiance of `samples` stratified samples per ray."""
+def scatter(means: Array) -> dict[str, Array]:
+    """The mean of the repeats, (repeats, n, 3), and its standard deviation."""
+    sigma = means.std(axis=0, ddof=1) / np.sqrt(len(means)) if len(means) > 1 else np.zeros(means.shape[1:])
+    return {"image": means.mean(axis=0), "sigma": sigma}
+
+
+def one_repeat(scene: Any, rays: Any, samples: int, seed: int) -> Array:
+    """(n, 3): the mean radiance of `samples` stratified samples per ray."""
+    sampler, ray = stratified(rays, samples, seed)
+    return mean_of(scene.integrator().sample(scene, sampler, ray)[0], samples)
+
+
+def stratified(rays: Any, samples: int, seed: int) -> tuple[Any, Any]:
+    """A sampler, and each ray `samples` times."""
+    count = dr.width(rays) * samples
     sampler = mi.load_dict({"type": "multijitter", "sample_count": samples})
     sampler.set_samples_per_wavefront(samples)
-    sampler.seed(dr.opaque(mi.UInt32, seed), count * samples)  # opaque: else each seed would be compiled anew
-    ray = dr.gather(mi.RayDifferential3f, rays, dr.arange(mi.UInt32, count * samples) // samples)
-    radiance = scene.integrator().sample(scene, sampler, ray)[0]
+    sampler.seed(dr.opaque(mi.UInt32, seed), count)  # opaque: else each seed would be compiled anew
+    return sampler, dr.gather(mi.RayDifferential3f, rays, dr.arange(mi.UInt32, count) // samples)
+
+
+def mean_of(radiance: Any, samples: int) -> Array:
+    """(n, 3), over each ray's samples."""
     dr.eval(radiance)  # once, not once per band
     bands = [dr.block_sum(band, samples) / samples for band in (radiance.x, radiance.y, radiance.z)]
-    return np.stack([band.numpy() for band in bands], axis=1)
+    return np.stack([band.numpy() for band in bands], axis=1).astype(np.float64)
 
 
-def first_hits(scene: Any, rays: Any) -> tuple[Array, npt.NDArray[np.int32], Array]:
+def change_by_offset(scene: Any, rays: Any, samples: int, seed: int) -> Array:
+    """(n, 3): how radiance from emitters with an extent changes when shadow rays start twice as far off the surface."""
+    sampler, ray = stratified(rays, samples, seed)
+    hit = scene.ray_intersect(ray)
+    seen = hit.is_valid()
+    to_light, arriving = scene.sample_emitter_direction(hit, sampler.next_2d(seen), False, seen)
+    seen &= (to_light.pdf > 0) & ~to_light.delta
+    reflected = hit.bsdf(ray).eval(mi.BSDFContext(), hit, hit.to_local(to_light.d), seen) * arriving
+    blocked = scene.ray_test(hit.spawn_ray_to(to_light.p), seen)
+    step = mi.math.RayEpsilon * (1 + dr.max(dr.abs(hit.p)))
+    hit.p += dr.select(dr.dot(hit.n, to_light.d) < 0, -step, step) * hit.n
+    blocked_farther_off = scene.ray_test(hit.spawn_ray_to(to_light.p), seen)
+    change = dr.select(blocked, reflected, -reflected)
+    return mean_of(dr.select(seen & (blocked != blocked_farther_off), change, 0), samples)
+
+
+def first_hits(scene: Any, rays: Any) -> dict[str, npt.NDArray[Any]]:
     """Where the rays end, (n, 3), on what, (n,), and how steeply, (n,)."""
     hit = scene.ray_intersect(rays)
     numbers = {0: -2}
@@ -99,8 +140,8 @@ def first_hits(scene: Any, rays: Any) -> tuple[Array, npt.NDArray[np.int32], Arr
     table[list(numbers)] = list(numbers.values())
     instance, shape = identity(hit.instance), identity(hit.shape)
     found = np.where(instance > 0, instance, np.where(shape < len(table), shape, 0))
-    missed = ~hit.is_valid().numpy()
-    return np.array(hit.p).T, np.where(missed, -2, table[found]).astype(np.int32), np.abs(hit.wi.z.numpy())
+    seen = np.where(hit.is_valid().numpy(), table[found], -2).astype(np.int32)
+    return {"position": np.array(hit.p).T, "object": seen, "facing": np.abs(hit.wi.z.numpy())}
 
 
 def identity(shape: Any) -> npt.NDArray[np.uint32]:
