@@ -22,7 +22,7 @@ MESH = {"kind": "mesh", "vertices": [[0, 0, 0]] * 3, "faces": [[0, 1, 2]], "norm
 def mesh_case(*others, mesh_material, materials, normal=(0, 0, 1), height=0.0, eye=EYE, target=TARGET, **more):
     """A floor that is a mesh, z = height, all of whose vertex normals are `normal`; it is object 0."""
     normal = np.asarray(normal, dtype=float)
-    quad = TriangleMesh(QUAD + [0, 0, height], TRIANGLES, np.tile(normal / np.linalg.norm(normal), (4, 1)))
+    quad = TriangleMesh(QUAD + np.array([0, 0, height]), TRIANGLES, np.tile(normal / np.linalg.norm(normal), (4, 1)))
     materials = {"floor": mesh_material, **materials}
     spec = scene({**MESH, "material": "floor"}, *others, materials=materials, eye=list(eye), target=list(target), **more)
     case = case_of(spec)
