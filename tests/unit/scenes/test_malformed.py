@@ -194,3 +194,76 @@ def test_any_bytes_in_a_file_are_answered_with_located_errors(tmp_path_factory: 
     with pytest.raises(SpecErrors) as caught:
         load_scene_file(path)
     assert all(str(error).startswith(f"{path}:") for error in caught.value.errors)
+
+
+# --- every other model, and lights in units ---------------------------------------------------------------------------
+
+_HEAD = """\
+equilux: 1
+name: other
+model: {model}
+camera: {{projection: perspective, eye: [0, 0, 3], target: [0, 0, 0], up: [0, 1, 0], fov_y_deg: 30}}
+film: {{width: 64, height: 48}}
+"""
+OTHER_MODELS = {
+    "raytraced": _HEAD.format(model="raytraced")
+    + """\
+recursion_limit: 3
+transparent_shadows: ignore
+lights: {key: {kind: point, position: [0, 2, 3], luminous_flux: 800, spectrum: {blackbody: 2700}}}
+materials:
+  glass: {reflection: 0.1, transmission: [0.9, 0.9, 1], transparency: 0.9, ior: 1.5}
+objects:
+  - {kind: sphere, center: [0, 0, 0], radius: 0.5, material: glass}
+  - {kind: mesh, vertices: [[0, 0, 9], [1, 0, 9], [0, 1, 9], [0, 0, 8]], faces: [[0, 1, 2], [0, 3, 1], [1, 3, 2], [0, 2, 3]],
+     material: glass}
+""",
+    "opengl": _HEAD.format(model="opengl")
+    + """\
+viewer: infinite
+k_m: 684
+lights:
+  key: {kind: spot, position: [0, 2, 3], direction: [0, -1, 0], flux: [1, 2, 3], cone_half_angle_deg: 20, exponent: 4,
+        ambient: 0.1, diffuse: [1, 1, 2], specular: 0.5}
+  sun: {kind: directional, direction: [0, -1, 0], illuminance: 1e5, spectrum: {illuminant: D65}}
+materials: {clay: {diffuse: 0.1, specular: 0.2, exponent: 128}}
+objects: [{kind: box, min: [-1, -1, -1], max: [1, 1, 1], material: clay}]
+""",
+    "reflection-equation": _HEAD.format(model="reflection-equation")
+    + """\
+bands: {intervals_nm: [[600, 700], [500, 600], [400, 500]]}
+lights:
+  sky: {kind: environment, spectrum: {line_nm: 520, total: 2}}
+  ball: {kind: sphere, center: [0, 5, 0], radius: 1, luminance: 200}
+  lid: {kind: disc, center: [0, 7, 0], normal: [0, -1, 0], radius: 1, spectrum: {table: [[400, 0.1], [500, 0], [700, 1]]}}
+  panel: {kind: rectangle, corner: [0, 9, 0], edge_u: [1, 0, 0], edge_v: [0, 0, 1], flux: 8, spectrum: {blackbody: 900}}
+materials: {matt: {diffuse: 0.1, brdf: lambert}, shiny: {specular: 0.1, brdf: phong-cosine, exponent: 9}}
+objects: [{kind: disc, center: [0, 0, 0], normal: [0, 1, 0], radius: 1, material: shiny}]
+""",
+}
+
+
+@pytest.mark.parametrize("model", OTHER_MODELS)
+def test_what_is_wrong_in_any_model_is_reported_at_its_place(model: str) -> None:
+    text = OTHER_MODELS[model]
+    assert _places(text) is None
+    for number, node in enumerate(node for node in _nodes(_root(text)) if isinstance(node, ScalarNode)):
+        value = NEVER[number % len(NEVER)]
+        places = _places(_replaced(text, node.place, value))
+        assert places is not None, f"{value} accepted at {node.place}"
+        assert (node.place.line, node.place.column) in places, f"{value} at {node.place}, reported at {places}"
+
+
+@pytest.mark.parametrize("model", OTHER_MODELS)
+def test_any_change_in_any_model_loads_or_is_answered_with_located_errors(model: str) -> None:
+    text = OTHER_MODELS[model]
+    malformed = 0
+    for number, node in enumerate(node for node in _nodes(_root(text)) if _inline(node)):
+        for other in (OTHERS[number % len(OTHERS)], OTHERS[(7 * number + 3) % len(OTHERS)]):
+            malformed += _places(_replaced(text, node.place, other)) is not None
+    for place, value in _keys(_root(text)):
+        if "{" in text.splitlines()[place.line - 1][: place.column]:
+            end = value.place.end
+            end += 2 if text[end : end + 2] == ", " else 0
+            malformed += _places(_replaced(text, Place(0, 0, place.start, end), "")) is not None
+    assert malformed > 60, malformed
