@@ -106,12 +106,12 @@ def budget_of(facts: Mapping[str, Any], picture: Mapping[str, npt.NDArray[Any]],
     terms: list[Bound | Geometric | Sampled] = []
     if facts["emitters"]:
         reason = f"{repeats} independent repeats of a stratified estimate by emitter and BSDF sampling (Q2, Q3)"
-        terms.append(Sampled("sampling", reason, sigma=picture["sigma"], repeats=repeats))
+        terms.append(Sampled("sampling", reason, sigma=_known(picture["sigma"]), repeats=repeats))
     reason = "single precision: of factors (relative) and of the cosines of the directions in them (Q1)"
     terms.append(Bound("arithmetic", reason, abs=_of_cosines(facts, seen), rel=VALUE_ROUNDINGS * U))
     if "offset" in picture:
         reason = "shadow rays start RayEpsilon off the surface: twice what starting twice as far off changes (Q9)"
-        terms.append(Bound("ray offset", reason, abs=2 * _largest_around(picture["offset"], picture["object"])))
+        terms.append(Bound("ray offset", reason, abs=2 * _largest_around(_known(picture["offset"]), picture["object"])))
     if facts["plane"] and any(facts["environment"]):
         reason = "the disc in place of the plane ends, and light comes from beyond it (Q11)"
         strip = 2 * math.pi / PLANE_RADIUS * (seen.diffuse + seen.specular) * facts["environment"]
@@ -121,13 +121,18 @@ def budget_of(facts: Mapping[str, Any], picture: Mapping[str, npt.NDArray[Any]],
     return Budget(tuple(terms))
 
 
+def _known(array: Floats) -> Floats:
+    """A budget must be finite; where the picture is not, the pixel counts as invalid whatever the budget says."""
+    return np.where(np.isfinite(array), array, 0.0)
+
+
 class _Seen:
     """What each pixel shows: arrays (h, w) or (h, w, 3); 0 where it is not an object."""
 
     def __init__(self, facts: Mapping[str, Any], picture: Mapping[str, npt.NDArray[Any]]) -> None:
         number = picture["object"]
         self.is_object = number >= 0
-        self.position: Floats = np.where(self.is_object[..., None], picture["position"], 0.0)
+        self.position: Floats = np.where(self.is_object[..., None], _known(picture["position"]), 0.0)
         surfaces = [*facts["surfaces"], NO_SURFACE]
         index = np.where(self.is_object, number, len(surfaces) - 1)
 
@@ -141,7 +146,7 @@ class _Seen:
         self.away = np.where(self.is_object, away, math.inf)
         self.position_m = POSITION_ROUNDINGS * U * np.maximum(largest, facts["reach_m"])
         # seen at a grazing angle, an error across the ray moves the point along it by 1/cos as much
-        slide = self.position_m / np.maximum(picture["facing"], math.sqrt(U))
+        slide = self.position_m / np.maximum(_known(picture["facing"]), math.sqrt(U))
         of_corners = 2 * U * facts["reach_m"] * of_surface("thinness")
         self.normal = DIRECTION_ROUNDINGS * U + slide * of_surface("curvature") + of_corners
         self.pixels_per_m = view["pixels_per_unit"] / (1.0 if view["parallel"] else self.away)

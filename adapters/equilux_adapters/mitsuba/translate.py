@@ -92,24 +92,26 @@ def _picture(case: Case, knobs: MitsubaKnobs) -> list[str]:
     else:
         lens = f"half_height={number(camera.height_m)} / 2, parallel=True"
     sampled = is_sampled(scene)
-    settings = [
-        f"samples={sample_count(scene, knobs.samples if sampled else 1)}",
-        f"repeats={knobs.repeats if sampled else 1}",
-    ]
     glowing = {index: scene.materials[obj.material].emission for index, obj in enumerate(scene.objects)}
     shown = [f"{index}: {triple(bands)}" for index, bands in glowing.items() if any(bands)]
-    settings.append(f"emission={{{', '.join(shown)}}}")
-    if sampled and "occlusion" in case.requires:
-        settings.append("soft_shadows=True")
+    settings = {
+        "samples": str(sample_count(scene, knobs.samples if sampled else 1)),
+        "repeats": str(knobs.repeats if sampled else 1),
+        "emission": f"{{{', '.join(shown)}}}",
+    }
     if any(scene.background):
-        settings.append(f"background={triple(scene.background)}")
+        settings["background"] = triple(scene.background)
+    if sampled and "occlusion" in case.requires:
+        settings["soft_shadows"] = "True"
+    given = ", ".join(f'"{name}": {value}' for name, value in settings.items())
     return [
         "def picture() -> dict[str, Any]:",
         "    view = View(",
         f"        eye={triple(camera.eye)}, target={triple(camera.target)}, up={triple(camera.up)},",
         f"        {lens}, width={film.width}, height={film.height},",
         "    )",
-        f"    return render(mi.load_dict(scene(), optimize=False), view, {', '.join(settings)})",
+        f"    settings = {{{given}}}",
+        "    return render(mi.load_dict(scene(), optimize=False), view, **settings)",
     ]
 
 
