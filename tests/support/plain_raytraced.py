@@ -25,6 +25,9 @@ Signature = npt.NDArray[np.uint64]
 OWN_CROSSING = 1e-9
 """Crossings nearer to a ray's start than this share of the scene's coordinates are the start itself."""
 
+TRANSMITTED_HIGHLIGHT = 1.0
+"""Weight of the highlight of lights behind a surface; a test sets it to 0 for renderers that have no such term."""
+
 
 @dataclass
 class Hits:
@@ -131,7 +134,8 @@ def _local(
         passed = -eta * to_light + (np.sqrt(np.maximum(1 - s2, 0)) - eta * c) * n
         r_v, t_v = _dot(mirrored, v), np.where(s2 > 1, 0.0, _dot(passed, v))
         front += np.where(cosine > 0, irradiance * tau * (k_diff * cosine + k_spec * _power(r_v, exponent)), 0)
-        behind += np.where(cosine < 0, irradiance * tau * (k_diff * -cosine + k_spec * _power(t_v, exponent)), 0)
+        highlight = TRANSMITTED_HIGHLIGHT * k_spec * _power(t_v, exponent)
+        behind += np.where(cosine < 0, irradiance * tau * (k_diff * -cosine + highlight), 0)
         for gate in (cosine > 0, irradiance > 0, np.where(cosine > 0, r_v, t_v) > 0, s2 > 1):
             sign = _mixed(sign, gate.any(axis=1))
         sign = _mixed(sign, crossed)

@@ -129,15 +129,17 @@ def _text(layer: _Layer, weight: float, half: bool, filter_weight: float) -> str
         glows = any(layer.shown.ambient) or any(layer.shown.emission)
         pigment = layer.shown.diffuse if any(layer.shown.diffuse) or not (half or glows) else (1.0, 1.0, 1.0)
         colour = f"rgbt {vector([*pigment, 0.5])}" if half else f"rgb {bands(pigment)}"
-    return f"texture {{ pigment {{ {colour} }} finish {{ {' '.join(_finish(layer.shown, pigment, weight))} }} }}"
+    # a highlight is weighed by the layers above alone, what the pigment shows by its own transparency too (Q6)
+    finish = _finish(layer.shown, pigment, weight, weight / 2.0 if half else weight)
+    return f"texture {{ pigment {{ {colour} }} finish {{ {' '.join(finish)} }} }}"
 
 
-def _finish(shown: Coefficients, pigment: Triple, weight: float) -> list[str]:
+def _finish(shown: Coefficients, pigment: Triple, weight: float, highlight_weight: float) -> list[str]:
     parts = [_glow("ambient", shown.ambient, pigment, weight), _diffuse(shown, weight)]
     if any(shown.emission):
         parts.append(_glow("emission", shown.emission, pigment, weight) + " * Exposure")
     if any(shown.specular):
-        parts.append(_highlight(shown, weight))
+        parts.append(_highlight(shown, highlight_weight))
     if any(shown.reflection):
         parts.append(f"reflection {{ rgb {bands(shown.reflection)} }}")
     return parts
