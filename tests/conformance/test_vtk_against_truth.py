@@ -334,3 +334,63 @@ def test_the_saved_script_draws_the_same_bits_with_vtk_and_numpy_alone(scene, tm
 def test_a_background_above_one_is_not_clamped(tmp_path):
     result = run(case_of_text(TEST_SCENE.replace("lights:", "background: [3, 0.5, 1000]\nlights:")), tmp_path)
     assert np.array_equal(result.image[0, 0], np.float32([3, 0.5, 1000])), f"background {result.image[0, 0]}"
+
+
+# --- what VTK has of the other models ---------------------------------------------------------------------------------
+
+BALL = TEST_SCENE.replace("width: 256, height: 192", "width: 96, height: 72")
+
+
+def test_a_ray_traced_scene_in_which_nothing_stands_in_the_way_is_drawn_exactly(tmp_path):
+    text = BALL.replace("model: phong", "model: raytraced").replace("lights:", "ambient: 0.2\nlights:")
+    case = case_of_text(text.replace("diffuse: 0.6", "diffuse: 0.6, ambient: 0.5, emission: 0.1"))
+    assert "occlusion" not in case.requires
+    result = run(case, tmp_path)
+    pair = against(oracle_radiance(case), result, Tracer(case))
+    assert pair.json["verdict"] == "agree", verdict_line(result, pair)
+
+
+RAYTRACED = """
+equilux: 1
+name: as-is
+model: raytraced
+camera: {projection: perspective, eye: [0, 1, 3], target: [0, 0, 0], up: [0, 1, 0], fov_y_deg: 35}
+film: {width: 96, height: 72}
+lights: {key: {kind: point, position: [-1, 2, 2], intensity: 5}}
+materials:
+  glass: {diffuse: 0.4, specular: 0.8, exponent: 30, transmission: 0.8, transparency: 0.75, ior: 1.5}
+  mirror: {diffuse: 0.3, reflection: 0.5}
+objects:
+  - {kind: sphere, center: [-0.3, 0, 0.3], radius: 0.3, material: glass}
+  - {kind: rectangle, corner: [-1.5, -0.35, 1], edge_u: [3, 0, 0], edge_v: [0, 0, -3], material: mirror}
+"""
+
+
+def test_of_a_ray_traced_scene_vtk_draws_the_local_terms(tmp_path):
+    """1 − t of the glass's own, all of the mirror's own, no shadow: the picture of a local scene with these coefficients."""
+    result = run(case_of_text(RAYTRACED), tmp_path)
+    local = RAYTRACED.replace("raytraced", "phong").replace(", reflection: 0.5", "")
+    local = local.replace(", transmission: 0.8, transparency: 0.75, ior: 1.5", "")
+    tracer = Tracer(case_of_text(local.replace("diffuse: 0.4, specular: 0.8", "diffuse: 0.1, specular: 0.2")))
+    pair = against(tracer.render()["radiance"], result, tracer)
+    assert pair.json["verdict"] == "agree", verdict_line(result, pair)
+
+
+def test_of_an_opengl_scene_vtk_draws_phong_s_highlight_in_the_light_s_diffuse_colour(tmp_path):
+    case = corpus_case("opengl-not-phong")
+    result = run(case, tmp_path)
+    assert against_reference(result).json["verdict"] == "diverge"
+    light = case.scene.delta_lights["key"].model_dump(mode="json", exclude={"ambient", "specular"})
+    share = light.pop("diffuse")
+    light["intensity"] = [a * b for a, b in zip(light["intensity"], share, strict=True)]
+    spec = case.scene.model_dump(mode="json", exclude_defaults=True, exclude={"expect"})
+    tracer = Tracer(case_of(spec | {"model": "phong", "lights": {"key": light}}))
+    pair = against(tracer.render()["radiance"], result, tracer)
+    assert pair.json["verdict"] == "agree", verdict_line(result, pair)
+
+
+def test_an_infinite_viewer_s_highlight_is_seen_from_the_eye_point(tmp_path):
+    """The same picture as with a local viewer."""
+    infinite = BALL.replace("model: phong", "model: opengl\nviewer: infinite")
+    local = run(case_of_text(infinite.replace("viewer: infinite", "viewer: local")), tmp_path / "local")
+    assert np.array_equal(run(case_of_text(infinite), tmp_path).image, local.image)

@@ -9,6 +9,7 @@ import pytest
 from equilux.adapter import Unsupported
 from equilux_adapters.vtk import ADAPTER, capabilities, translate
 from equilux_adapters.vtk.knobs import VtkKnobs
+from equilux_scenes.causes import is_known
 from support.random_scenes import case_of
 
 SPEC = {
@@ -164,3 +165,41 @@ def test_a_feature_that_vtk_lacks_is_named(monkeypatch):
     with pytest.raises(Unsupported) as caught:
         ADAPTER.translate(case_of(SPEC), VtkKnobs())
     assert caught.value.missing_features == ["light.point", "shape.sphere"]
+
+
+@pytest.mark.parametrize(
+    ("changes", "missing"),
+    [
+        ({"model": "reflection-equation"}, ["model.reflection-equation"]),
+        ({"model": "raytraced", "materials": {"clay": {"diffuse": 0.5, "reflection": 0.5, "transparency": 0.5, "ior": 1.5}}}, []),
+        ({"model": "opengl", "viewer": "infinite"}, []),
+    ],
+)
+def test_what_has_a_cause_for_its_lack_is_drawn_as_it_is_and_the_rest_is_unsupported(changes, missing):
+    case = case_of(SPEC | changes)
+    if not missing:
+        assert ADAPTER.translate(case, VtkKnobs()).files
+        return
+    with pytest.raises(Unsupported) as caught:
+        ADAPTER.translate(case, VtkKnobs())
+    assert caught.value.missing_features == missing
+
+
+def test_a_transparent_surface_keeps_the_share_that_is_its_own():
+    text = script(
+        model="raytraced", materials={"clay": {"diffuse": 0.5, "specular": 0.25, "transparency": 0.75, "emission": [1, 1, 1]}}
+    )
+    for statement in ("SetDiffuseColor(0.125, 0.125, 0.125)", "SetSpecularColor(0.0625, 0.0625, 0.0625)", "AmbientColor(1, 1, 1)"):
+        assert statement in text, f"missing: {statement}\n{picture(text)}"
+
+
+def test_a_light_s_own_colours_are_written_and_only_where_it_has_some():
+    text = script(model="opengl", lights={"key": SPEC["lights"]["key"] | {"ambient": [0.5, 0, 0]}})
+    assert "ambient=(0.5, 0, 0), diffuse=(1, 1, 1), specular=(1, 1, 1)" in text
+    assert "ambient=" not in picture(script(model="opengl"))
+
+
+def test_every_cause_that_stands_for_a_lack_is_known_and_stands_for_a_feature_that_is_lacking():
+    for feature, cause in ADAPTER.lack_causes.items():
+        assert is_known(cause), cause
+        assert ADAPTER.capabilities()[feature].level == "none", feature
