@@ -189,7 +189,7 @@ def test_a_transparent_surface_keeps_the_share_that_is_its_own():
     text = script(
         model="raytraced", materials={"clay": {"diffuse": 0.5, "specular": 0.25, "transparency": 0.75, "emission": [1, 1, 1]}}
     )
-    for statement in ("SetDiffuseColor(0.125, 0.125, 0.125)", "SetSpecularColor(0.0625, 0.0625, 0.0625)", "AmbientColor(1, 1, 1)"):
+    for statement in ("DiffuseColor(0.125, 0.125, 0.125)", "SpecularColor(0.0625, 0.0625, 0.0625)", "AmbientColor(1, 1, 1)"):
         assert statement in text, f"missing: {statement}\n{picture(text)}"
 
 
