@@ -28,7 +28,7 @@ REMOTE = 16.0  # an eye farther from the origin than this many extents of the sc
 SHADOW_BIAS = 1e-3  # units; blockers nearer to the point or to the light are missed (SHADOW_TOLERANCE, Q37)
 OBLIQUE = 10.0  # 1/sin of the angle between surfaces down to which the strip without shadow is that narrow: 6°
 # A shadow ray that clips an edge of glass crosses it once instead of twice in such a strip: neither lit nor shaded, and no edge.
-SLIVER = 0.1  # what such a strip counts against a displaced edge, per pixel of the film's sides: its edges are about as long
+SLIVER = 0.06  # what such a strip counts against a displaced edge, per pixel of the film's sides: its edges are about as long
 SCALES = [1.0] + [10.0**n for n in range(-24, 25) if n]  # units per metre, the plainest first
 TOLERABLE_PX = 0.01  # beyond this the unit is chosen for accuracy instead of readability
 
