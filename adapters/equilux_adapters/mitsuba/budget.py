@@ -15,7 +15,7 @@ import numpy.typing as npt
 from equilux.adapter import Bound, Budget, Case, Geometric, Sampled
 from equilux_adapters.mitsuba.geometry import curvature_of, enclosure_of, reach_of, thinness_of
 from equilux_adapters.mitsuba.shapes import PLANE_RADIUS
-from equilux_scenes.model import DeltaLight, DirectionalLight, Emitter, Material, Plane, Scene, SpotLight
+from equilux_scenes.model import DeltaLight, DirectionalLight, Emitter, Material, Plane, Scene, SphereEmitter, SpotLight
 
 Floats = npt.NDArray[np.float64]
 
@@ -35,6 +35,9 @@ frame (2 more), and their sum of products (2)."""
 VALUE_ROUNDINGS = 32
 """Of a sample's factors and of the mean: coefficient and π (4), radiance or intensity (2), attenuation (6), density and weight of
 both ways of sampling (12), the mean of up to 2^16 samples by halves (8)."""
+
+DENSITY_ROUNDINGS = 2
+"""Of 1 − cos α: sin² α (1), the root (1/2), the difference (1/2)."""
 
 NO_SURFACE = {"diffuse": [0.0] * 3, "specular": [0.0] * 3, "exponent": 0.0, "curvature": 0.0, "thinness": 0.0}
 
@@ -78,7 +81,8 @@ def _delta(light: DeltaLight) -> dict[str, Any]:
 def _extended(light: Emitter) -> dict[str, Any]:
     """A sphere around it; around (centre null) the environment all else."""
     center, radius = enclosure_of(light)
-    return {"center": center, "radius": radius, "radiance": list(light.radiance)}
+    is_sphere = isinstance(light, SphereEmitter)
+    return {"center": center, "radius": radius, "radiance": list(light.radiance), "is_sphere": is_sphere}
 
 
 def _surface(case: Case, index: int) -> dict[str, Any]:
@@ -109,6 +113,10 @@ def budget_of(facts: Mapping[str, Any], picture: Mapping[str, npt.NDArray[Any]],
         terms.append(Sampled("sampling", reason, sigma=_known(picture["sigma"]), repeats=repeats))
     reason = "single precision: of factors (relative) and of the cosines of the directions in them (Q1)"
     terms.append(Bound("arithmetic", reason, abs=_of_cosines(facts, seen), rel=VALUE_ROUNDINGS * U))
+    if spheres := [light for light in facts["emitters"] if light["is_sphere"]]:
+        reason = "directions to a small sphere are weighted by 1 − cos α in single precision (Q4)"
+        densities = [_of_density(light, seen, picture["image"]) for light in spheres]
+        terms.append(Bound("density", reason, abs=np.sum(densities, axis=0)))
     if "offset" in picture:
         reason = "shadow rays start RayEpsilon off the surface: twice what starting twice as far off changes (Q9)"
         terms.append(Bound("ray offset", reason, abs=2 * _largest_around(_known(picture["offset"]), picture["object"])))
@@ -180,13 +188,22 @@ def _of_cosines(facts: Mapping[str, Any], seen: _Seen) -> Floats:
 
 
 def _solid_angle(light: Mapping[str, Any], seen: _Seen) -> Floats:
-    """(h, w), sr: of the sphere around an emitter, at most a hemisphere. The density of a small sphere's cone, 1 − cos, is itself
-    off by 2 u: what that makes of the radiance is the same as a turn by 2 u of a cosine over 2π (Q4)."""
+    """(h, w), sr: of the sphere around an emitter, at most a hemisphere."""
     if light["center"] is None:
         return np.full(seen.away.shape, 2 * math.pi)
     away = np.linalg.norm(seen.position - light["center"], axis=-1)
     sine = np.minimum(light["radius"] / np.maximum(away, light["radius"]), 1.0)
     return np.asarray(2 * math.pi * (1 - np.sqrt(1 - sine**2)))
+
+
+def _of_density(light: Mapping[str, Any], seen: _Seen, image: Floats) -> Floats:
+    """(h, w, 3), W/(m²·sr): 1 − cos α, from which a sphere's directions get their weight, is off by DENSITY_ROUNDINGS u (Q4).
+
+    No sphere brings more than all the light there is, nor more than 2π (1 − cos α) K L.
+    """
+    share = np.minimum(DENSITY_ROUNDINGS * U * 2 * math.pi / np.maximum(_solid_angle(light, seen), np.finfo(float).tiny), 1.0)
+    at_most = DENSITY_ROUNDINGS * U * 2 * math.pi * (seen.diffuse + seen.specular) * light["radiance"]
+    return np.where(seen.is_object[..., None], np.minimum(share[..., None] * np.abs(_known(image)), at_most), 0.0)
 
 
 def _largest_around(image: Floats, number: npt.NDArray[Any]) -> Floats:
