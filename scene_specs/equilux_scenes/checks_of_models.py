@@ -8,7 +8,7 @@ from types import SimpleNamespace
 from equilux_scenes.checking import Context, Problem, check
 from equilux_scenes.errors import number_text, shortened
 from equilux_scenes.kinds import kinds_of
-from equilux_scenes.mesh import open_edge
+from equilux_scenes.mesh import open_edge, signed_volume
 from equilux_scenes.model import Emitter, Material, Scene, SpotLight
 from equilux_scenes.overlaps import overlapping
 from equilux_scenes.shown import scene_of, shown
@@ -52,6 +52,11 @@ def _what_refracts_is_closed(scene: SimpleNamespace, node: MapNode, context: Con
         if why is not None:
             what = f"object {index} ({_word(obj, 'kind')}): got ior {bending[named]} of material '{shortened(named)}'"
             yield Problem((), message=f"{what}, allowed ior 1 ({why}; another needs {CLOSED})", place=obj.place)
+        elif id(obj) in context.mesh_at and signed_volume(context.mesh_at[id(obj)][1]) < 0:
+            words = (
+                f"object {index} (mesh): its triangles face inwards, so its index {bending[named]} is that of what is around it"
+            )
+            yield Problem((), message=words, place=obj.place, warning=True)
 
 
 def _bending_ior(material: Node) -> str | None:

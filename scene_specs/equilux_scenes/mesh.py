@@ -96,6 +96,16 @@ def open_edge(mesh: TriangleMesh) -> tuple[int, int, int, int] | None:
     return int(first[low]), int(first[high]), int(forward[wrong[0]]), int(total[wrong[0]] - forward[wrong[0]])
 
 
+def signed_volume(mesh: TriangleMesh) -> float:
+    """Of a watertight mesh, in units as `triangle_areas` has them, cubed: positive where its triangles face outwards."""
+    if not len(mesh.faces):
+        return 0.0
+    edges = _edge(mesh, 0, 1), _edge(mesh, 0, 2)
+    start = mesh.faces[0, 0]
+    corners = _edge(TriangleMesh(mesh.vertices, np.stack([np.full(len(mesh.faces), start), mesh.faces[:, 0]], axis=1)), 0, 1)
+    return float(np.einsum("ij,ij->", corners, np.cross(*edges))) / 6
+
+
 def summed_normals(mesh: TriangleMesh) -> tuple[Floats, Floats]:
     """Per vertex: (n, 3) Σ area × angle × unit face normal, and (n,) Σ area × angle to judge by how much is left of that sum."""
     crosses = _crosses(mesh)

@@ -48,9 +48,9 @@ def _one_strength(part: dict[str, Any], cls: type[Strength]) -> None:
     """Bands are required, or else what they are worked out from."""
     bands = bands_key(cls)
     part["required"].remove(bands)
-    part["oneOf"] = [{"required": [key]} for key in strengths(cls)]
-    beside = [{"required": [key]} for key in strengths(cls)]
-    part["oneOf"].append({"required": ["spectrum"], "not": {"anyOf": beside}})
+    each = [{"required": [key]} for key in strengths(cls)]
+    alone = [{"required": [bands], "not": {"required": ["spectrum"]}}, {"required": ["spectrum"], "not": {"anyOf": each}}]
+    part["oneOf"] = [*alone, *each[1:]]
 
 
 def _parts(base: type[Part]) -> Iterator[type[Part]]:

@@ -86,3 +86,26 @@ REJECTED = {
 @pytest.mark.parametrize("name", REJECTED)
 def test_what_is_plainly_wrong_is_rejected(edited: Callable[..., str], name: str) -> None:
     assert _messages(edited(*REJECTED[name])) != []
+
+
+LIGHTS = {
+    "luminous_intensity: 5": True,
+    "flux: [1, 2, 3]": True,
+    "luminous_flux: 800, spectrum: {blackbody: 2700}": True,
+    "spectrum: {table: [[400, 1], [700, 1]]}": True,
+    "spectrum: {illuminant: D65, total: 1}": True,
+    "intensity: 5, flux: 5": False,
+    "intensity: 5, spectrum: {line_nm: 555, total: 1}": False,
+    "flux: 5, luminous_flux: 5": False,
+    "spectrum: {}": False,
+    "spectrum: {blackbody: 2700, illuminant: D65}": False,
+    "spectrum: {total: 1}": False,
+    "spectrum: {table: [[400, 1]]}": False,
+    "luminous_intensity: [5, 5, 5]": False,
+    "flux: 5, illuminance: 5": False,
+}
+
+
+@pytest.mark.parametrize("strength", LIGHTS)
+def test_the_schema_knows_what_a_light_is_given_by(edited: Callable[..., str], strength: str) -> None:
+    assert (_messages(edited("intensity: 5,", f"{strength},")) == []) is LIGHTS[strength]

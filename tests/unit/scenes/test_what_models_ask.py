@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from equilux_scenes.mesh import TriangleMesh, open_edge
+from equilux_scenes.mesh import TriangleMesh, open_edge, signed_volume
 
 Only = Callable[..., str]
 Load = Callable[..., Any]
@@ -257,6 +257,28 @@ def test_a_closed_shape_may_refract(load: Load, name: str) -> None:
 def test_an_open_shape_may_have_an_index_that_bends_nothing(load: Load, material: str) -> None:
     disc = "  - {kind: disc, center: [0, 0, 0], normal: [0, 1, 0], radius: 1, material: m}\n"
     assert load(spec("raytraced", material=material, objects=disc)).warnings == ()
+
+
+def test_a_mesh_that_refracts_and_faces_inwards_is_warned_of(load: Load) -> None:
+    turned = CUBE
+    for face in ("[0, 2, 1], [0, 3, 2], [4, 5, 6], [4, 6, 7], [0, 1, 5], [0, 5, 4], [1, 2, 6], [1, 6, 5], [2, 3, 7], [2, 7, 6]",
+                 "[3, 0, 4], [3, 4, 7]"):  # fmt: skip
+        for triangle in face.strip("[]").split("], ["):
+            a, b, c = triangle.split(", ")
+            turned = turned.replace(f"[{triangle}]", f"<{a}, {c}, {b}>")
+    turned = turned.replace("<", "[").replace(">", "]")
+    expected = "object 0 (mesh): its triangles face inwards, so its index 1.5 is that of what is around it"
+    assert warnings_of(load, traced(turned)) == [f"spec.yaml:11:5: {expected}"]
+    assert warnings_of(load, traced(turned.replace("material: glass", "material: m"))) == []
+
+
+def test_the_signed_volume_of_a_mesh_does_not_depend_on_where_it_is() -> None:
+    vertices = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], float)
+    faces = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]])
+    for offset, unit in ((0.0, 1.0), (5.0, 4.0), (1e6, 2.0**19)):  # the unit: the largest coordinate's power of two
+        got = signed_volume(TriangleMesh(vertices + offset, faces))
+        assert got == pytest.approx(1 / 6 / unit**3, rel=1e-12)
+        assert signed_volume(TriangleMesh(vertices + offset, faces[:, ::-1])) == pytest.approx(-got, rel=1e-12)
 
 
 def test_a_swept_index_is_checked_for_every_case(only_error: Only) -> None:
