@@ -1,4 +1,4 @@
-"""The Embree Phong tracer: the reference that every other renderer is judged against.
+"""The Embree tracer: the reference that every other renderer is judged against.
 
 Embree finds candidates; double and double-double precision decide which surface is nearest, where, and how it shines.
 """

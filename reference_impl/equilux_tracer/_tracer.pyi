@@ -1,4 +1,4 @@
-"""The exact Phong tracer of equilux: Embree finds candidates, double and double-double decide and shade."""
+"""The exact tracer of equilux: Embree finds candidates, double and double-double decide and shade."""
 
 import enum
 from collections.abc import Sequence

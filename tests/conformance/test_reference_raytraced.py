@@ -1,4 +1,6 @@
-"""Random `raytraced` scenes: the tracer against an independent evaluation of the formulas in plain NumPy."""
+"""Random `raytraced` scenes: the tracer against an independent evaluation of the formulas in plain NumPy, and its stated rounding
+against the oracle.
+"""
 
 from __future__ import annotations
 
@@ -6,6 +8,7 @@ import numpy as np
 import pytest
 
 import equilux_oracle
+from equilux_oracle.precise import evaluate_at
 from equilux_tracer import Tracer
 from support import plain_raytraced
 from support.edges import on_edge
@@ -66,3 +69,62 @@ def test_both_evaluations_find_the_same_discontinuities(seed):
     # The plain one counts gates of lights that do not count as well (behind an opaque surface): the tracer's are among its own.
     missed = ours & ~theirs
     assert missed.sum() <= 1, f"tracer {ours.sum()}, plain {theirs.sum()}, only the tracer at {film_xy[missed][:5]}"
+
+
+ROUNDING_GROUPS = {
+    "near the origin": {},
+    "six bounces": {"recursion": (6, 6), "objects": (6, 8)},
+    "sharp highlights": {"exponents": (300.0, 1000.0)},
+}
+
+
+@pytest.mark.parametrize("group", ROUNDING_GROUPS)
+def test_stated_rounding_holds_against_the_oracle_and_is_not_idle(group):
+    """|tracer − oracle| stays below both bounds on every pixel, edges too, and gets within a factor of ten of the tracer's."""
+    reached = 0.0
+    for seed in range(3000, 3006):
+        case = case_of(random_raytraced(seed, film=(24, 18), **ROUNDING_GROUPS[group]))
+        assert not equilux_oracle.supports(case)
+        true, bound = equilux_oracle.radiance_with_bound(case)
+        got = Tracer(case).render(["radiance", "rounding"])
+        apart, allowed = np.abs(got["radiance"] - true), got["rounding"] + bound
+        wrong = (apart > allowed).any(axis=2)
+        rows, columns = np.nonzero(wrong)
+        edge = on_edge(Tracer(case), np.stack([columns, rows], axis=1) + 0.5) if len(rows) else np.zeros(0, bool)
+        assert edge.all(), f"{case.name}: {apart[wrong][~edge][0]} apart, allowed {allowed[wrong][~edge][0]}"
+        reached = max(reached, float((apart[~wrong] / np.maximum(got["rounding"][~wrong], 1e-300)).max()))
+    print(f"\n{group}: {reached:.2g} of the stated rounding")
+    assert reached > 0.1, f"only {reached} of the stated rounding was ever reached"
+
+
+def billiard(limit):
+    """A mirror ball in a box of mirrors, seen from inside: every bounce off the ball multiplies an error by five or so."""
+    mirror = {"diffuse": 0.1, "specular": 0.1, "exponent": 20, "reflection": 1.0}
+    return case_of(
+        {
+            "equilux": 1,
+            "name": "billiard",
+            "model": "raytraced",
+            "recursion_limit": limit,
+            "camera": {"projection": "perspective", "eye": [-0.8, 0.3, 0.6], "target": [1, 0.2, 0.1], "fov_y_deg": 60},
+            "film": {"width": 12, "height": 9},
+            "lights": {"lamp": {"kind": "point", "position": [-0.8, 0.6, 0.5], "intensity": 0.3}},
+            "materials": {"mirror": mirror},
+            "objects": [
+                {"kind": "box", "min": [-1, -1, -1], "max": [1, 1, 1.1], "material": "mirror"},
+                {"kind": "sphere", "center": [0, 0, 0], "radius": 0.7, "material": "mirror"},
+            ],
+        }
+    )
+
+
+def test_where_no_precision_is_enough_the_stated_rounding_says_so():
+    got = Tracer(billiard(80)).render(["radiance", "rounding"])
+    relative = (got["rounding"] / got["radiance"])[..., 0]
+    assert relative.max() > 1e-6, f"{relative.max()} after eighty bounces"
+    for row, column in ((2, 10), (2, 0), (1, 7)):
+        true = float(evaluate_at(billiard(80), column + 0.5, row + 0.5).radiance[0])
+        apart, stated = abs(got["radiance"][row, column, 0] - true), got["rounding"][row, column, 0]
+        assert apart <= stated, f"{apart} off the value to fifty digits, stated {stated}"
+    few = Tracer(billiard(20)).render(["radiance", "rounding"])
+    assert (few["rounding"] < 1e-13 * few["radiance"]).all(), "after twenty it is still a double's own"
