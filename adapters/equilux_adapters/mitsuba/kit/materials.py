@@ -18,5 +18,5 @@ def lambert(k_diff: tuple[float, float, float]) -> dict[str, Any]:
 
 
 def black() -> dict[str, Any]:
-    """What emitters reflect. Without it they would have Mitsuba's default reflectance of 0.5."""
+    """What emitters reflect."""
     return {"type": "diffuse", "reflectance": bands(0, 0, 0)}
