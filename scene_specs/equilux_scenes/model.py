@@ -30,9 +30,11 @@ from equilux_scenes.values import (
     Points,
     Positive,
     Samples,
+    Temperature,
     Text,
     Triangles,
     Vector3,
+    Wavelength,
     Words,
 )
 
@@ -126,11 +128,11 @@ class Spectrum(Part):
 
     table: Samples | Absent = None
     """Pairs [wavelength in nm, value]; the value per nm, in the unit of the light's bands."""
-    blackbody: Positive | Absent = None
+    blackbody: Temperature | Absent = None
     """Planck's law at this temperature, K."""
     illuminant: Annotated[str | Absent, Allowed("the name of a CIE illuminant, such as D65")] = None
     """The name of a CIE illuminant, such as D65; relative."""
-    line_nm: Positive | Absent = None
+    line_nm: Wavelength | Absent = None
     """A single wavelength, nm; relative."""
     total: NonNegative | Absent = None
     """The integral over all wavelengths, in the unit of the light's bands."""

@@ -133,6 +133,10 @@ LuminousEfficacy = Annotated[
 """K_m, lm/W."""
 
 
+Wavelength = Annotated[float, Field(ge=1e-3, le=1e9), Allowed("a wavelength of 0.001 to 1e9 nm")]
+Temperature = Annotated[float, Field(ge=1, le=1e9), Allowed("a temperature of 1 to 1e9 K")]
+
+
 def _ascending(samples: tuple[tuple[float, float], ...]) -> tuple[tuple[float, float], ...]:
     if any(a[0] >= b[0] for a, b in pairwise(samples)):
         raise ValueError("not ascending")
@@ -140,24 +144,24 @@ def _ascending(samples: tuple[tuple[float, float], ...]) -> tuple[tuple[float, f
 
 
 Samples = Annotated[
-    tuple[Annotated[tuple[Annotated[float, Field(gt=0)], Band], BeforeValidator(_as_tuple)], ...],
+    tuple[Annotated[tuple[Wavelength, Band], BeforeValidator(_as_tuple)], ...],
     BeforeValidator(_as_tuple),
     Field(min_length=2),
     AfterValidator(_ascending),
     Allowed(
         "a list of at least two pairs [nm, value ≥ 0], the wavelengths ascending",
-        ("a pair [wavelength in nm > 0, value ≥ 0]", "a wavelength > 0, then a value ≥ 0"),
+        ("a pair [nm, value ≥ 0]", "a wavelength of 0.001 to 1e9 nm, then a value ≥ 0"),
     ),
     WithJsonSchema({"type": "array", "items": _exactly(2, {"type": "number", "minimum": 0}), "minItems": 2}),
 ]
 """A sampled spectrum: wavelength in nm, value per nm."""
 
-Interval = Annotated[tuple[Annotated[float, Field(gt=0)], Annotated[float, Field(gt=0)]], BeforeValidator(_as_tuple)]
+Interval = Annotated[tuple[Wavelength, Wavelength], BeforeValidator(_as_tuple)]
 Intervals = Annotated[
     tuple[Interval, Interval, Interval],
     BeforeValidator(_as_tuple),
-    Allowed("three intervals [from, to] in nm", ("two wavelengths [from, to] in nm", "a wavelength > 0, in nm")),
-    WithJsonSchema(_exactly(3, _exactly(2, {"type": "number", "exclusiveMinimum": 0}))),
+    Allowed("three intervals [from, to] in nm", ("two wavelengths [from, to] in nm", "a wavelength of 0.001 to 1e9 nm")),
+    WithJsonSchema(_exactly(3, _exactly(2, {"type": "number", "minimum": 1e-3, "maximum": 1e9}))),
 ]
 """Three intervals of wavelengths, nm."""
 

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 from equilux_scenes import photometry
+from equilux_scenes.errors import SpecErrors
 from equilux_scenes.features import RESOLVED_FEATURES
 from equilux_scenes.loader import load_scene_text
 from equilux_scenes.model import Scene
@@ -365,7 +366,10 @@ ERRORS = {
         f"{SUN}, spectrum: «{{total: 1}}",
         "spectrum of light 'k': got {total: 1}, allowed exactly one of table, blackbody, illuminant, line_nm",
     ),
-    "cold": (f"{SUN}, spectrum: {{blackbody: «0, total: 1}}", "blackbody of spectrum of light 'k': got 0, allowed a number > 0"),
+    "cold": (
+        f"{SUN}, spectrum: {{blackbody: «0, total: 1}}",
+        "blackbody of spectrum of light 'k': got 0, allowed a temperature of 1 to 1e9 K",
+    ),
     "one sample": (
         f"{SUN}, spectrum: {{table: «[[400, 1]]}}",
         "table of spectrum of light 'k': got [[400, 1]], "
@@ -378,15 +382,15 @@ ERRORS = {
     ),
     "negative sample": (
         f"{SUN}, spectrum: {{table: [[400, 1], [500, «-1]]}}",
-        "table[1][1] of spectrum of light 'k': got -1, allowed a wavelength > 0, then a value ≥ 0",
+        "table[1][1] of spectrum of light 'k': got -1, allowed a wavelength of 0.001 to 1e9 nm, then a value ≥ 0",
     ),
     "wavelength 0": (
         f"{SUN}, spectrum: {{table: [[«0, 1], [500, 1]]}}",
-        "table[0][0] of spectrum of light 'k': got 0, allowed a wavelength > 0, then a value ≥ 0",
+        "table[0][0] of spectrum of light 'k': got 0, allowed a wavelength of 0.001 to 1e9 nm, then a value ≥ 0",
     ),
     "sample of three": (
         f"{SUN}, spectrum: {{table: [[400, 1], «[500, 1, 1]]}}",
-        "table[1] of spectrum of light 'k': got [500, 1, 1], allowed a pair [wavelength in nm > 0, value ≥ 0]",
+        "table[1] of spectrum of light 'k': got [500, 1, 1], allowed a pair [nm, value ≥ 0]",
     ),
     "black table": (
         f"{SUN}, spectrum: «{{table: [[400, 0], [500, 0]], total: 1}}",
@@ -456,6 +460,28 @@ def test_lumens_where_nothing_is_seen_in_any_interval_are_an_error(only_error: O
     assert message == (
         "luminous_flux of light 'k': got 1, allowed a radiometric quantity (nothing is seen in any of the scene's intervals)"
     )
+
+
+HUGE = [
+    "flux: 1e308, spectrum: {blackbody: 3000}",
+    "spectrum: {blackbody: 1, total: 1}",
+    "spectrum: {blackbody: 1e9, total: 1e308}",
+    "spectrum: {table: [[0.001, 1e308], [1e9, 1e308]]}",
+    "spectrum: {table: [[400, 5e-324], [700, 5e-324]], total: 3}",
+    "luminous_flux: 5e-324",
+    "spectrum: {line_nm: 1e9, total: 1}",
+]
+
+
+@pytest.mark.parametrize("strength", HUGE)
+@pytest.mark.parametrize("rest", ["", "bands: {intervals_nm: [[0.001, 0.002], [500, 600], [1e8, 1e9]]}\n"])
+@pytest.mark.filterwarnings("error")
+def test_extreme_values_make_finite_bands_or_located_errors(strength: str, rest: str) -> None:
+    try:
+        assert all(math.isfinite(band) and band >= 0 for band in bands(f"{POINT}, {strength}", rest))
+    except SpecErrors as failed:
+        (error,) = failed.errors
+        assert "stays finite" in error.message
 
 
 def test_wrong_units_do_not_hide_other_errors(errors_of: Callable[..., list[Any]]) -> None:
