@@ -455,7 +455,6 @@ void Blockers::tangents(const Vec3d& centre, const Vec3d* columns, int count, st
 }
 
 void Blockers::extent_of(const Shape& shape, std::vector<Breakpoint>& out) const {
-  const Pencil& pencil = emitter_->pencil;
   const Vec3d* column = shape.columns.column;
   switch (shape.solid) {
     case Solid::sphere:
@@ -469,38 +468,172 @@ void Blockers::extent_of(const Shape& shape, std::vector<Breakpoint>& out) const
       tangents(shape.centre - column[2], column, 2, out);
       tangents(shape.centre + column[2], column, 2, out);
       break;
-    case Solid::box:
-      for (int i = 0; i < 8; ++i) {
-        out.push_back({pencil.azimuth(shape.centre + column[0] * (i & 1 ? 1.0 : -1.0) + column[1] * (i & 2 ? 1.0 : -1.0) +
-                                      column[2] * (i & 4 ? 1.0 : -1.0)),
-                       false});
-      }
+    default:
       break;
-    case Solid::rectangle:
-      for (int i = 0; i < 4; ++i) {
-        out.push_back({pencil.azimuth(shape.centre + column[0] * (i & 1 ? 1.0 : -1.0) + column[1] * (i & 2 ? 1.0 : -1.0)), false});
+  }
+}
+
+// The straight edges of a shape's outline: of a box those between a face that shows itself to the point and one that does not.
+void Blockers::edges_of(const Shape& shape, std::vector<std::array<Vec3d, 2>>& out) const {
+  const Vec3d* column = shape.columns.column;
+  if (shape.solid == Solid::rectangle) {
+    Vec3d last = shape.centre + column[0] - column[1];
+    for (const auto& [u, v] : {std::pair{1, 1}, {-1, 1}, {-1, -1}, {1, -1}}) {
+      const Vec3d next = shape.centre + column[0] * double(u) + column[1] * double(v);
+      out.push_back({last, next});
+      last = next;
+    }
+  }
+  if (shape.solid != Solid::box) return;
+  const double o[3] = {shape.o.x, shape.o.y, shape.o.z};
+  for (int along = 0; along < 3; ++along) {
+    const int p = (along + 1) % 3, q = (along + 2) % 3;
+    for (const double u : {-1.0, 1.0}) {
+      for (const double v : {-1.0, 1.0}) {
+        if ((o[p] * u > 1) == (o[q] * v > 1)) continue;
+        const Vec3d middle = shape.centre + column[p] * u + column[q] * v;
+        out.push_back({middle - column[along], middle + column[along]});
       }
+    }
+  }
+}
+
+// Where a straight edge crosses the rim of a round emitter.
+void Blockers::add_rim_crossings(const Vec3d& from, const Vec3d& to, std::vector<Breakpoint>& out) const {
+  const EmitterView::Rim rim = emitter_->rim();
+  const Vec3d m = cross(from, to);
+  double turn[2];
+  if (!rim_crossings(rim, m, turn)) return;
+  for (const double at : turn) {
+    const Vec3d direction = rim.at(at);
+    if (dot(cross(from, direction), m) >= 0 && dot(cross(direction, to), m) >= 0) out.push_back({emitter_->pencil.azimuth(direction), false});
+  }
+}
+
+namespace {
+
+// a + b cos + c sin + d cos 2 + e sin 2, through its values at five points.
+struct SecondHarmonics {
+  double a = 0, b = 0, c = 0, d = 0, e = 0;
+
+  template <class F> explicit SecondHarmonics(const F& f) {
+    for (int k = 0; k < 5; ++k) {
+      const double turn = 2 * pi * k / 5, value = f(turn) / 5;
+      a += value;
+      b += 2 * value * std::cos(turn);
+      c += 2 * value * std::sin(turn);
+      d += 2 * value * std::cos(2 * turn);
+      e += 2 * value * std::sin(2 * turn);
+    }
+  }
+  double at(double t) const {
+    const double x = std::cos(t), y = std::sin(t);
+    return a + b * x + c * y + d * (x * x - y * y) + 2 * e * x * y;
+  }
+  double slope(double t) const {
+    const double x = std::cos(t), y = std::sin(t);
+    return c * x - b * y + 2 * e * (x * x - y * y) - 4 * d * x * y;
+  }
+
+  // Its zeros: at most four. Between samples also those on both sides of an extremum that just reaches over.
+  template <class G> void zeros(const G& found) const {
+    constexpr int samples = 24;
+    for (int k = 0; k < samples; ++k) {
+      const double low = 2 * pi * k / samples, high = 2 * pi * (k + 1) / samples, here = at(low), there = at(high);
+      if ((here > 0) != (there > 0)) {
+        found(crossing(low, high, [this](double t) { return at(t); }));
+      } else if ((slope(low) > 0) != (slope(high) > 0)) {
+        const double top = crossing(low, high, [this](double t) { return slope(t); });
+        if ((at(top) > 0) == (here > 0)) continue;
+        found(crossing(low, top, [this](double t) { return at(t); }));
+        found(crossing(top, high, [this](double t) { return at(t); }));
+      }
+    }
+  }
+
+ private:
+  template <class F> static double crossing(double low, double high, const F& f) {
+    const bool positive = f(low) > 0;
+    for (int step = 0; step < 44; ++step) ((f(0.5 * (low + high)) > 0) == positive ? low : high) = 0.5 * (low + high);
+    return 0.5 * (low + high);
+  }
+};
+
+}  // namespace
+
+// Where a round outline crosses the rim of a round emitter. The outline is a cone of directions ω with a quadratic form that is 0 on it:
+//     sphere: |d|² − |o × d|²      rim of a disc or of a cylinder's end: d_z² − |o_xy d_z + (z − o_z) d_xy|²      d = ω in the canonical frame
+void Blockers::add_rim_crossings(const Shape& shape, std::vector<Breakpoint>& out) const {
+  const EmitterView::Rim rim = emitter_->rim();
+  const Vec3d& o = shape.o;
+  const auto on_cone = [&](const auto& form) {
+    const SecondHarmonics around([&](double turn) { return form(shape.back * rim.at(turn)); });
+    around.zeros([&](double turn) { out.push_back({emitter_->pencil.azimuth(rim.at(turn)), false}); });
+  };
+  const auto end = [&](double z) {
+    on_cone([&](const Vec3d& d) {
+      const double x = o.x * d.z + (z - o.z) * d.x, y = o.y * d.z + (z - o.z) * d.y;
+      return d.z * d.z - x * x - y * y;
+    });
+  };
+  const auto on_circle = [&](const Vec3d& canonical_normal) {
+    double turn[2];
+    if (!rim_crossings(rim, transposed_times(shape.back, canonical_normal), turn)) return;
+    for (const double at : turn) out.push_back({emitter_->pencil.azimuth(rim.at(at)), false});
+  };
+  switch (shape.solid) {
+    case Solid::sphere:
+      if (shape.inside) break;
+      on_cone([&](const Vec3d& d) {
+        const Vec3d off = cross(o, d);
+        return dot(d, d) - dot(off, off);
+      });
+      break;
+    case Solid::disc:
+      end(0);
+      break;
+    case Solid::cylinder_capped:
+    case Solid::cylinder_open: {
+      end(-1);
+      end(1);
+      if (shape.inside) break;
+      const double distance = std::hypot(o.x, o.y), middle = std::atan2(o.y, o.x), apart = std::acos(std::min(1.0, 1 / distance));
+      for (const double at : {middle - apart, middle + apart}) on_circle({std::cos(at), std::sin(at), 0});
+      break;
+    }
+    case Solid::plane:
+      on_circle({0, 0, 1});
       break;
     default:
       break;
   }
 }
 
-void Blockers::breakpoints(const Vec3d& normal, std::vector<Breakpoint>& out) {
+void Blockers::breakpoints(const std::vector<Vec3d>& circles, std::vector<Breakpoint>& out) {
   const Pencil& pencil = emitter_->pencil;
-  // Great circles that bound what is seen: the horizon, and a rectangle's edges along edge_v.
-  Vec3d circles[3] = {normal, {}, {}};
-  int count = 1;
-  if (emitter_->kind == EmitterView::Kind::rectangle) {
-    circles[count++] = unit(cross(emitter_->corner[0], emitter_->corner[3]));
-    circles[count++] = unit(cross(emitter_->corner[1], emitter_->corner[2]));
+  const bool round = emitter_->kind == EmitterView::Kind::sphere || emitter_->kind == EmitterView::Kind::disc;
+  circles_ = circles;
+  if (emitter_->kind == EmitterView::Kind::rectangle) {  // its edges along edge_v
+    circles_.push_back(unit(cross(emitter_->corner[0], emitter_->corner[3])));
+    circles_.push_back(unit(cross(emitter_->corner[1], emitter_->corner[2])));
   }
+  const auto add_edges = [&] {
+    for (const auto& [from, to] : edges_) {
+      out.push_back({pencil.azimuth(from), false});
+      out.push_back({pencil.azimuth(to), false});
+      if (round) add_rim_crossings(from, to, out);
+    }
+  };
   for (const Shape& shape : shapes_) {
     extent_of(shape, out);
-    for (int k = 0; k < count; ++k) {
+    edges_.clear();
+    edges_of(shape, edges_);
+    add_edges();
+    if (round) add_rim_crossings(shape, out);
+    for (const Vec3d& normal : circles_) {
       HalfPlane circle;
-      complete_frame(circles[k], circle.a, circle.b);
-      circle.normal = circles[k];
+      complete_frame(normal, circle.a, circle.b);
+      circle.normal = normal;
       for (const double turn : {1.0, -1.0}) {
         const HalfPlane half{circle.a, circle.b * turn, circle.normal * turn};
         angles_.clear();
@@ -510,11 +643,12 @@ void Blockers::breakpoints(const Vec3d& normal, std::vector<Breakpoint>& out) {
     }
   }
   constexpr std::size_t few = 16;
-  if (triangles_.size() <= few) {
-    for (const Triangle& triangle : triangles_) {
-      for (const Vec3d& corner : triangle.corner) out.push_back({pencil.azimuth(corner), false});
-    }
+  if (triangles_.size() > few) return;
+  edges_.clear();
+  for (const Triangle& triangle : triangles_) {
+    for (const int k : {0, 1, 2}) edges_.push_back({triangle.corner[k], triangle.corner[(k + 1) % 3]});
   }
+  add_edges();
 }
 
 }  // namespace equilux

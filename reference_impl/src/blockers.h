@@ -56,7 +56,8 @@ class Blockers {
   void gaps(const HalfPlane& plane, Stretch within, Gaps& out);
 
   // Azimuths where the blocked part may begin, end or bend.
-  void breakpoints(const Vec3d& normal, std::vector<Breakpoint>& out);
+  // circles: normals of great circles that bound the integrand: the horizon, and the end of a highlight's lobe.
+  void breakpoints(const std::vector<Vec3d>& circles, std::vector<Breakpoint>& out);
 
  private:
   struct Shape {
@@ -74,6 +75,9 @@ class Blockers {
   void piercing_angles(const Shape& shape, const HalfPlane& plane, Stretch within, std::vector<double>& out) const;
   bool blocks(const Shape& shape, const Vec3d& direction) const;
   void triangle_gap(const Triangle& triangle, const HalfPlane& plane, Gaps& out) const;
+  void edges_of(const Shape& shape, std::vector<std::array<Vec3d, 2>>& out) const;
+  void add_rim_crossings(const Vec3d& from, const Vec3d& to, std::vector<Breakpoint>& out) const;
+  void add_rim_crossings(const Shape& shape, std::vector<Breakpoint>& out) const;
   void extent_of(const Shape& shape, std::vector<Breakpoint>& out) const;
   void tangents(const Vec3d& centre, const Vec3d* columns, int count, std::vector<Breakpoint>& out) const;
 
@@ -81,6 +85,8 @@ class Blockers {
   std::vector<Shape> shapes_;
   std::vector<Triangle> triangles_;
   std::vector<double> angles_;
+  std::vector<Vec3d> circles_;
+  std::vector<std::array<Vec3d, 2>> edges_;
 };
 
 }  // namespace equilux

@@ -1,5 +1,7 @@
 #include "direct_light.h"
 
+#include <limits>
+
 namespace equilux {
 namespace {
 
@@ -49,8 +51,30 @@ Integral DirectLight::from(int emitter, const Reflecting& at, Terms weight, doub
   return total;
 }
 
-Terms DirectLight::scan(double azimuth, const Reflecting& at, bool blocked, bool diffuse, bool specular) {
-  const HalfPlane plane = view_.pencil.at(azimuth);
+Terms DirectLight::coarsely_from(int emitter, const Reflecting& at) {
+  const auto look = [&](int object, bool diffuse, bool specular) {
+    blockers_.gather(obstacles_, at.point, view_, object);
+    const bool blocked = !blockers_.empty();
+    arrange_breakpoints(at, blocked, specular);
+    const auto seen = [&](double turn) { return scan(turn, at, blocked, diffuse, specular); };
+    return quadrature_.integrate(seen, ends_, {1, 1}, std::numeric_limits<double>::infinity()).value;
+  };
+  if (emitter >= 0) {
+    if (!look_at(emitter, at, {}) || below_horizon(at)) return {};
+    return look(obstacles_.world.first_emitter() + emitter, true, at.specular);
+  }
+  look_at(emitter, at, at.point.normal);
+  Terms sum = look(-1, true, false);
+  if (at.specular) {
+    look_at(emitter, at, at.lobe.mirrored);
+    sum = sum + look(-1, false, true);
+  }
+  return sum;
+}
+
+Terms DirectLight::scan(double turn, const Reflecting& at, bool blocked, bool diffuse, bool specular) {
+  double slope;
+  const HalfPlane plane = view_.pencil.at(view_.azimuth_of(turn, slope));
   const Stretch above = in_front_of(at.point.normal, plane, view_.stretch(plane));
   Terms sum;
   if (above.empty()) return sum;
@@ -58,21 +82,18 @@ Terms DirectLight::scan(double azimuth, const Reflecting& at, bool blocked, bool
     if (diffuse) sum.diffuse += cosine_scan(at.point.normal, plane, piece);
     if (specular) sum.specular += at.lobe.scan(plane, piece);
   };
-  if (!blocked) {
+  if (blocked) {
+    blockers_.gaps(plane, above, gaps_);
+    gaps_.rest_of(above, add);
+  } else {
     add(above);
-    return sum;
   }
-  blockers_.gaps(plane, above, gaps_);
-  gaps_.rest_of(above, add);
-  return sum;
+  return sum * slope;
 }
 
 void DirectLight::arrange_breakpoints(const Reflecting& at, bool blocked, bool specular) {
   breakpoints_.clear();
   const Pencil& pencil = view_.pencil;
-  if (view_.round_about()) {
-    for (const double quarter : {-0.5 * pi, 0.0, 0.5 * pi}) breakpoints_.push_back({quarter, false});
-  }
   view_.crossings_with(at.point.normal, breakpoints_);
   if (specular) {
     view_.crossings_with(at.lobe.mirrored, breakpoints_);
@@ -90,16 +111,25 @@ void DirectLight::arrange_breakpoints(const Reflecting& at, bool blocked, bool s
       }
     }
   }
-  if (blocked) blockers_.breakpoints(at.point.normal, breakpoints_);
+  if (blocked) {
+    circles_ = {at.point.normal};
+    constexpr double soft = 20;  // a lobe of a larger exponent has ended long before its end
+    if (specular && at.lobe.exponent < soft) circles_.push_back(at.lobe.mirrored);
+    blockers_.breakpoints(circles_, breakpoints_);
+  }
 
   ends_.clear();
   ends_.push_back({view_.first, false});
   ends_.push_back({view_.last, false});
+  if (view_.round_about()) {
+    for (const double quarter : {-0.5 * pi, 0.0, 0.5 * pi}) ends_.push_back({quarter, false});
+  }
   for (Breakpoint point : breakpoints_) {
     if (view_.round_about()) {
       if (point.at > pi) point.at -= 2 * pi;
       if (point.at < -pi) point.at += 2 * pi;
     }
+    point.at = view_.turn_of(point.at);
     if (point.at > view_.first && point.at < view_.last) ends_.push_back(point);
   }
   std::sort(ends_.begin(), ends_.end(), [](const Breakpoint& a, const Breakpoint& b) { return a.at < b.at; });
@@ -120,10 +150,10 @@ Integral DirectLight::over_view(const Reflecting& at, int object, bool diffuse, 
   // An angle's rounding moves a stretch's end by so much, across the whole range of azimuths.
   const double sine = view_.kind == EmitterView::Kind::rectangle ? 1 : std::sin(std::min(0.5 * pi, view_.half_angle));
   const Terms rounding = Terms{1, 1} * (2 * rounding_per_end * 0x1p-53 * range * sine);
-  const auto open = [&](double azimuth) { return scan(azimuth, at, false, diffuse, specular); };
-  const auto seen = [&](double azimuth) { return scan(azimuth, at, true, diffuse, specular); };
+  const auto open = [&](double turn) { return scan(turn, at, false, diffuse, specular); };
+  const auto seen = [&](double turn) { return scan(turn, at, true, diffuse, specular); };
 
-  if (object >= 0 && dot(at.point.normal, view_.centre) + view_.reach(at.point.normal) <= 0) return {};  // below the horizon
+  if (object >= 0 && below_horizon(at)) return {};
   blockers_.gather(obstacles_, at.point, view_, object);
   const bool blocked = !blockers_.empty();
   arrange_breakpoints(at, false, specular);

@@ -29,9 +29,12 @@ class DirectLight {
   Terms coarsely_from(int emitter, const Reflecting& at);
 
  private:
+  bool below_horizon(const Reflecting& at) const {
+    return dot(at.point.normal, view_.centre) + view_.reach(at.point.normal) <= 0;
+  }
   bool look_at(int emitter, const Reflecting& at, const Vec3d& axis);
   Integral over_view(const Reflecting& at, int object, bool diffuse, bool specular, Terms weight, double error_target);
-  Terms scan(double azimuth, const Reflecting& at, bool blocked, bool diffuse, bool specular);
+  Terms scan(double turn, const Reflecting& at, bool blocked, bool diffuse, bool specular);
   void arrange_breakpoints(const Reflecting& at, bool blocked, bool specular);
 
   const Obstacles& obstacles_;
@@ -40,6 +43,7 @@ class DirectLight {
   Gaps gaps_;
   AdaptiveQuadrature quadrature_;
   std::vector<Breakpoint> breakpoints_, ends_;
+  std::vector<Vec3d> circles_;
 };
 
 }  // namespace equilux

@@ -3,17 +3,14 @@
 #include <limits>
 
 namespace equilux {
-namespace {
-
-// cos and sin (α − α₀) with m_a + m_c cos α + m_s sin α = 0
-void add_roots(double constant, double cosine, double sine, std::vector<Breakpoint>& out) {
-  const double swing = std::hypot(cosine, sine);
-  if (!(std::fabs(constant) < swing)) return;
+bool rim_crossings(const EmitterView::Rim& rim, const Vec3d& m, double turn[2]) {
+  const double constant = dot(m, rim.middle), cosine = dot(m, rim.cosine), sine = dot(m, rim.sine), swing = std::hypot(cosine, sine);
+  if (!(std::fabs(constant) < swing)) return false;
   const double middle = std::atan2(sine, cosine), apart = std::acos(-constant / swing);
-  for (const double root : {middle - apart, middle + apart}) out.push_back({root, false});
+  turn[0] = middle - apart;
+  turn[1] = middle + apart;
+  return true;
 }
-
-}  // namespace
 
 Stretch EmitterView::stretch(const HalfPlane& plane) const {
   switch (kind) {
@@ -60,19 +57,36 @@ double EmitterView::distance(const Vec3d& direction) const {
   return std::numeric_limits<double>::infinity();
 }
 
+EmitterView::Rim EmitterView::rim() const {
+  if (kind == Kind::sphere) return {pencil.axis * std::cos(cone), pencil.zero * std::sin(cone), pencil.quarter * std::sin(cone)};
+  return {centre, across[0] * radius, across[1] * radius};
+}
+
+double EmitterView::turn_of(double azimuth) const {
+  if (kind != Kind::disc) return azimuth;
+  const HalfPlane plane = pencil.at(azimuth);
+  const Vec3d along = plane.b - plane.a * (dot(normal, plane.b) / dot(normal, plane.a));
+  return std::atan2(dot(along, across[1]), dot(along, across[0]));
+}
+
+double EmitterView::azimuth_of(double turn, double& slope) const {
+  slope = 1;
+  if (kind != Kind::disc) return turn;
+  const double c = std::cos(turn), s = std::sin(turn);
+  const Vec3d out = across[0] * c + across[1] * s, on = across[1] * c - across[0] * s;  // the rim about the centre, which is on the axis
+  const double x = dot(out, pencil.zero), y = dot(out, pencil.quarter);
+  slope = (x * dot(on, pencil.quarter) - y * dot(on, pencil.zero)) / (x * x + y * y);
+  return std::atan2(y, x);
+}
+
 void EmitterView::crossings_with(const Vec3d& m, std::vector<Breakpoint>& out) const {
   switch (kind) {
     case Kind::sphere:
-      add_roots(dot(m, pencil.axis) * std::cos(cone), std::sin(cone) * dot(m, pencil.zero), std::sin(cone) * dot(m, pencil.quarter), out);
-      break;
     case Kind::disc: {
-      Vec3d u, v;
-      complete_frame(normal, u, v);
-      std::vector<Breakpoint> turns;
-      add_roots(dot(m, centre), radius * dot(m, u), radius * dot(m, v), turns);
-      for (const Breakpoint& turn : turns) {
-        out.push_back({pencil.azimuth(centre + u * (radius * std::cos(turn.at)) + v * (radius * std::sin(turn.at))), false});
-      }
+      const Rim around = rim();
+      double turn[2];
+      if (!rim_crossings(around, m, turn)) break;
+      for (const double at : turn) out.push_back({pencil.azimuth(around.at(at)), false});
       break;
     }
     case Kind::rectangle:
@@ -110,6 +124,7 @@ bool view_of_disc(const Vec3d& centre, const Vec3d& normal, double radius, const
   view.normal = normal;
   view.radius = radius;
   view.pencil = pencil_about(centre * (1 / distance), zero);
+  complete_frame(-normal, view.across[0], view.across[1]);
   view.towards = view.pencil.axis;
   view.half_angle = distance > radius ? std::asin(radius / distance) : 0.5 * pi;
   return true;

@@ -23,6 +23,7 @@ struct EmitterView {
   double height = 0;              // distance of the shaded point from the plane of disc or rectangle, > 0
   double radius = 0, cone = 0;    // sphere; cone: half-angle
   Vec3d corner[4];                // rectangle
+  Vec3d across[2];                // disc: in its plane, unit, turning with the azimuth
   double u_low = 0, u_high = 0;   // rectangle: along edge_u
   double half_angle = pi;         // of a cone about `towards` that contains the emitter
   Vec3d towards;
@@ -38,9 +39,25 @@ struct EmitterView {
   // Distance along the unit direction ω to the emitter's surface, for a direction that meets it. Infinite for the environment.
   double distance(const Vec3d& direction) const;
 
+  // The variable that is integrated over in place of the azimuth, growing with it: for a disc the turn around its rim, in which a disc seen
+  // edge-on is as smooth as any other; else the azimuth itself. slope: dα/dt.
+  double turn_of(double azimuth) const;
+  double azimuth_of(double turn, double& slope) const;
+
+  // Directions, not unit, around the rim of a sphere or disc: middle + cosine cos φ + sine sin φ.
+  struct Rim {
+    Vec3d middle, cosine, sine;
+
+    Vec3d at(double turn) const { return middle + cosine * std::cos(turn) + sine * std::sin(turn); }
+  };
+  Rim rim() const;
+
   // Azimuths where the great circle m·ω = 0 crosses the emitter's outline.
   void crossings_with(const Vec3d& m, std::vector<Breakpoint>& out) const;
 };
+
+// The two turns of a rim where m·ω = 0, if it gets there.
+bool rim_crossings(const EmitterView::Rim& rim, const Vec3d& m, double turn[2]);
 
 // False: the point gets nothing from it (behind it, in its plane, or inside the sphere).
 bool view_of_sphere(const Vec3d& centre, double radius, const Vec3d& zero, EmitterView& view);

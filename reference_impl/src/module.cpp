@@ -145,7 +145,7 @@ std::vector<double> per_object(const ConstDoubles& array, std::size_t objects, c
 void trace_sensitivity(const World& world, const std::optional<ConstDoubles>& film_xy, const ConstDoubles& normal,
                        const ConstDoubles& position_m, Doubles result, int threads, const Cancel* cancel) {
   const Samples samples = samples_of(world, film_xy);
-  const std::size_t objects = world.objects.size();
+  const std::size_t objects = static_cast<std::size_t>(world.first_emitter());
   const GeometricBounds bounds{per_object(normal, objects, "normal"), per_object(position_m, objects, "position_m")};
   if (result.size() != 3 * samples.count) throw TracerError("result: array of the wrong size");
   bool complete;
@@ -288,7 +288,7 @@ void bind_world(nb::module_& m) {
 
 NB_MODULE(_tracer, m) {
   using namespace equilux;
-  m.doc() = "The exact Phong tracer of equilux: Embree finds candidates, double and double-double decide and shade.";
+  m.doc() = "The exact tracer of equilux: Embree finds candidates, double and double-double decide and shade.";
   m.attr("embree_version") = RTC_VERSION_STRING;
   nb::exception<TracerError>(m, "TracerError", PyExc_ValueError);
   nb::exception<Cancelled>(m, "Cancelled", PyExc_RuntimeError);

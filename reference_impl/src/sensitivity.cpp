@@ -102,10 +102,13 @@ Bands change_of(const Held& at, double normal_step, double position_step) {
 
 bool sensitivity(const World& world, const Samples& samples, const GeometricBounds& bounds, double* out, int threads,
                  const Cancel* cancel, const Interrupted& interrupted) {
-  const std::size_t objects = world.objects.size();
+  const std::size_t objects = static_cast<std::size_t>(world.first_emitter());
   if (bounds.normal.size() != objects || bounds.position_m.size() != objects) throw TracerError("sensitivity: one bound per object");
   if (world.description.model == Model::raytraced) {
     return sensitivity_raytraced(world, samples, bounds, out, threads, cancel, interrupted);
+  }
+  if (world.description.model == Model::reflection_equation) {
+    return sensitivity_emitters(world, samples, bounds, out, threads, cancel, interrupted);
   }
   return for_each_chunk(samples.count, threads, cancel, interrupted, [&](std::size_t begin, std::size_t end) {
     Search search;

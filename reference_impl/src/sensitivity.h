@@ -32,4 +32,11 @@ bool sensitivity(const World& world, const Samples& samples, const GeometricBoun
 bool sensitivity_raytraced(const World& world, const Samples& samples, const GeometricBounds& bounds, double* out, int threads,
                            const Cancel* cancel, const Interrupted& interrupted);
 
+// The same for model reflection_equation. The integrals are evaluated anew at each step, by one rule of 11 nodes between breakpoints and no
+// refinement; steps smaller than 1e-4 (of a highlight's width, and of the distance to the nearest emitter) are taken at that size and their
+// effect scaled down, so that the rule's own error, some 1e-6, does not drown it. Visibility of the lights without an extent is held;
+// penumbrae move. A sample that sees an emitter gives 0: its radiance is the same all over.
+bool sensitivity_emitters(const World& world, const Samples& samples, const GeometricBounds& bounds, double* out, int threads,
+                          const Cancel* cancel, const Interrupted& interrupted);
+
 }  // namespace equilux
