@@ -1,8 +1,8 @@
 """The textbook closed forms of uniform emitters, one function each, in plain double.
 
 For tests, documentation and anybody's check of a renderer. A form factor F is the share of an emitter's light in a receiver's
-irradiance E = π L F; ∫ N·ω dω over what is seen is π F. Factors are numbered as in J. R. Howell, "A Catalog of Radiation Heat Transfer
-Configuration Factors" (B: from an element to a surface, C: between surfaces).
+irradiance E = π L F; ∫ N·ω dω over what is seen is π F. Factors are numbered as in J. R. Howell, "A Catalog of Radiation Heat
+Transfer Configuration Factors" (B: from an element to a surface, C: between surfaces).
 """
 
 from __future__ import annotations

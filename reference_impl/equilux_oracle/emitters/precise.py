@@ -14,12 +14,16 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from dataclasses import astuple, dataclass
-from functools import cache
+from functools import cache, partial
+from itertools import pairwise
 
 import mpmath
 from mpmath import mp, mpf
 
-from equilux_scenes.model import AreaEmitter, DiscEmitter, RectangleEmitter, SphereEmitter
+from equilux_oracle.emitters.covers import with_emitters
+from equilux_oracle.precise import evaluate_at
+from equilux_scenes.case import Case
+from equilux_scenes.model import AreaEmitter, DiscEmitter, Material, RectangleEmitter, SphereEmitter
 
 DIGITS = 25
 NODES = 24
@@ -51,6 +55,37 @@ class Received:
     lobe_with_cosine: mpf
 
 
+def radiance_at(case: Case, x: float, y: float) -> tuple[mpf, mpf, mpf] | None:
+    """Radiance of each band at a film position in pixels, of a scene with emitters or an environment alone; None where no
+    object is seen.
+
+    Whatever blocks is not asked for: an environment is not behind other bodies, and there are no lights without an extent.
+    """
+    scene = case.scene
+    objects = with_emitters(scene)
+    names = {"": Material()} if scene.area_emitters else {}
+    stripped = objects.model_copy(update={"model": "phong", "lights": {}, "materials": {**scene.materials, **names}})
+    seen = evaluate_at(Case(case.name, stripped, case.name), x, y).seen
+    if seen is None or seen.index >= len(scene.objects):
+        return None
+    material = scene.materials[scene.objects[seen.index].material]
+    at = Receiver(seen.point, seen.normal, seen.to_viewer, mpf(material.exponent))
+    received = [
+        (emitter.radiance, converged(partial(from_emitter, emitter, at), material.exponent))
+        for emitter in scene.area_emitters.values()
+    ]
+    if scene.environment is not None:
+        received.append((scene.environment.radiance, converged(partial(from_hemisphere, at), material.exponent)))
+    with mp.workdps(DIGITS):
+        total = list(_exact(material.emission))
+        for radiance, part in received:
+            lobe = {"lambert": mpf(0), "phong-classic": part.lobe, "phong-cosine": part.lobe_with_cosine}[material.brdf]
+            for band in range(3):
+                reflected = mpf(material.diffuse[band]) * part.irradiance + mpf(material.specular[band]) * lobe
+                total[band] += mpf(radiance[band]) * reflected
+        return total[0], total[1], total[2]
+
+
 def from_emitter(emitter: AreaEmitter, at: Receiver, nodes: int = NODES, pieces: int = 1) -> Received:
     """What a point receives per radiance of an emitter that nothing blocks; nothing behind a one-sided one or inside a sphere.
 
@@ -70,7 +105,7 @@ def converged(of: Callable[[int], Received], exponent: float) -> Received:
     it is algebraic of an order above 13, and half as many nodes again reduce the error two hundred times. Raises
     ArithmeticError if it never does.
     """
-    apart = 1e-12 if exponent == int(exponent) else 1e-14
+    apart = 1e-14 if exponent != int(exponent) else 1e-12
     nodes = 16
     rough = of(nodes)
     while nodes < 150:
@@ -87,7 +122,7 @@ def from_hemisphere(at: Receiver, nodes: int = NODES, pieces: int = 1) -> Receiv
     with mp.workdps(DIGITS):
         x = _unit(_minus(at.mirror, _times(_dot(at.mirror, at.normal), at.normal)))
         y = _cross(at.normal, x)
-        graded = at.exponent != int(at.exponent)
+        graded = _is_rough(at.exponent)
 
         def across(phi: mpf) -> list[mpf]:
             # M·ω = 0 at tan θ = −(M·N)/(M·x cos φ)
@@ -150,7 +185,7 @@ def _over(flat: _Flat, at: Receiver, nodes: int, pieces: int) -> Received:
     """Each horizon is a line l0 + le x + lf y = 0 in the region's own coordinates; dω = |p·(e × f)| dx dy/|p|³."""
     lines = [tuple(_dot(axis, v) for v in (flat.center, flat.e, flat.f)) for axis in (at.normal, at.mirror)]
     height = abs(_dot(flat.center, _cross(flat.e, flat.f)))
-    graded = at.exponent != int(at.exponent)
+    graded = _is_rough(at.exponent)
 
     def across(s: mpf) -> list[mpf]:
         x, dx, top = flat.x_of(s)
@@ -200,7 +235,7 @@ def _weights(n: mpf, m: mpf, length: mpf, exponent: mpf, measure: mpf) -> list[m
 def _gauss_sum(of: Callable[[mpf], list[mpf]], cuts: list[mpf], nodes: int, pieces: int, graded: bool) -> list[mpf]:
     """Gauss–Legendre on every piece between cuts, graded towards its ends where a power that is no integer begins there."""
     total = [mpf(0)] * 3
-    for low, high in zip(cuts, cuts[1:], strict=False):
+    for low, high in pairwise(cuts):
         if high - low < mpf(10) ** (3 - DIGITS):
             continue
         step = (high - low) / pieces
@@ -209,6 +244,11 @@ def _gauss_sum(of: Callable[[mpf], list[mpf]], cuts: list[mpf], nodes: int, piec
                 values = of(low + step * (k + share))
                 total = [t + step * weight * value for t, value in zip(total, values, strict=True)]
     return total
+
+
+def _is_rough(exponent: mpf) -> bool:
+    """Whether u^p is too rough at u = 0 for Gauss–Legendre alone, whose error there falls by the order 2p + 2."""
+    return bool(exponent != int(exponent) and exponent < 6)
 
 
 @cache
