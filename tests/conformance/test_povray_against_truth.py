@@ -9,8 +9,8 @@ from equilux_scenes.model import INVERSE_SQUARE
 from equilux_tracer import Tracer
 from support import plain_phong
 from support.edges import LEAST_DELTA_PX, on_edge
-from support.povray import Run, bound, case_of_text, pixel_centres, run, run_all
-from support.random_scenes import Spec, case_of, random_spec
+from support.povray import Run, bound, case_of_text, expressible, pixel_centres, run, run_all
+from support.random_scenes import case_of, random_spec
 
 SHAPES = ("sphere", "box", "disc", "rectangle", "plane")
 PROMISE_ABS, PROMISE_REL = 1.2e-5, 1e-4
@@ -19,15 +19,6 @@ ONE_EXPOSURE = 1e-5
 """What it promises of a single exposure where radiance is at most 1: half a step of 1/65535 is 7.6e-6."""
 PLAIN_TRUTH = 1e-10
 """Relative accuracy of the plain evaluation, in double precision (its own docstring)."""
-
-
-def expressible(spec: Spec) -> Spec:
-    """Attenuations that POV-Ray has a sum for: a linear term large enough that c + l r + q r² has two real roots."""
-    for light in spec["lights"].values():
-        terms = light.get("attenuation")
-        if terms and terms["linear"] ** 2 < 4.5 * terms["constant"] * terms["quadratic"]:
-            terms["linear"] = 2.5 * (terms["constant"] * terms["quadratic"]) ** 0.5
-    return spec
 
 
 def truth_of(case) -> np.ndarray:

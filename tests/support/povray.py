@@ -6,6 +6,7 @@ from collections.abc import Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -33,6 +34,15 @@ class Run:
 def case_of_text(text: str) -> Case:
     (case,) = load_scene_text(text).cases
     return case
+
+
+def expressible(spec: dict[str, Any]) -> dict[str, Any]:
+    """Attenuations that POV-Ray has a sum for: a linear term large enough that c + l r + q r² has two real roots."""
+    for light in spec["lights"].values():
+        terms = light.get("attenuation")
+        if terms and terms["linear"] ** 2 < 4.5 * terms["constant"] * terms["quadratic"]:
+            terms["linear"] = 2.5 * (terms["constant"] * terms["quadratic"]) ** 0.5
+    return spec
 
 
 def run(case: Case, folder: Path, **knobs: object) -> Run:

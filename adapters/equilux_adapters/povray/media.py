@@ -41,7 +41,7 @@ def media(case: Case) -> Media:
     for index, material in transparent.items():
         if material.ior != 1:
             ior, error = _index(material.ior, case.meshes.get(index))
-            result.modifiers[index] = [f"interior {{ ior {number(ior)} }}", *_seen_from_inside(case, index)]
+            result.modifiers[index] = [*_seen_from_inside(case, index), f"interior {{ ior {number(ior)} }}"]
             result.index_error[index] = error
     straight = [index for index, material in transparent.items() if material.ior == 1]
     if not straight or not _counting_matters(case, straight):

@@ -71,7 +71,7 @@ def _sharing(case: Case, frame: Frame, names: Mapping[str, str], insides: Media)
 def _object(case: Case, frame: Frame, index: int, names: Mapping[str, str], insides: Media) -> str:
     obj = case.scene.objects[index]
     shape = written(obj, case.meshes.get(index), frame)
-    modifiers = [f"texture {{ {names[obj.material]} }}", *insides.modifiers.get(index, [])]
+    modifiers = [*insides.modifiers.get(index, []), f"texture {{ {names[obj.material]} }}"]
     if shape.matrix is not None:
         modifiers.append(matrix_modifier(shape.matrix))
     if _shadowless(case, index):
