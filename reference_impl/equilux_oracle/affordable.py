@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from functools import lru_cache
 
 import numpy as np
 
+from equilux_oracle.doubledouble import Array
+from equilux_oracle.examination import Examination
 from equilux_oracle.transport import Allowance, TooManyRays, examine_raytraced
 from equilux_scenes.case import Case
 from equilux_scenes.model import Material, Scene
@@ -18,6 +21,9 @@ _SAMPLES = (12, 9)
 _SHARE = 64
 """Of the film's positions, one in so many is followed to count its rays, in a grid of at most 12 × 9."""
 
+_MISJUDGED = 5.0
+"""By how much a sample may be wrong before the picture is given up."""
+
 
 def too_deep(case: Case) -> Mapping[str, str]:
     """The features that make a case cost too much, with the reason; empty where it does not.
@@ -25,26 +31,45 @@ def too_deep(case: Case) -> Mapping[str, str]:
     Where the worst case is too much, a grid of positions all over the film is followed and counted.
     """
     scene = case.scene
-    film = scene.film.width * scene.film.height
-    allowed = rays_allowed(scene)
-    if film * _most_rays(scene) <= allowed:
+    if scene.film.width * scene.film.height * _most_rays(scene) <= rays_allowed(scene):
         return {}
-    columns, rows = (
-        max(1, min(size // math.isqrt(_SHARE), most))
-        for size, most in zip((scene.film.width, scene.film.height), _SAMPLES, strict=True)
-    )
-    y, x = np.mgrid[0:rows, 0:columns]
-    at = np.stack([(x.ravel() + 0.5) / columns * scene.film.width, (y.ravel() + 0.5) / rows * scene.film.height], axis=1)
-    try:
-        examine_raytraced(case, at, Allowance(allowed * len(at) / film))
-    except TooManyRays:
-        reason = f"recursion_limit {scene.recursion_limit} asks for more than {allowed:.2g} rays"
-        return dict.fromkeys(_multiplying(scene), reason)
+    # What does not change the picture does not change the count, which is asked for several times.
+    if _counts_too_many(scene.model_dump_json(exclude={"name", "about", "shows", "sweep", "expect"})):
+        return dict.fromkeys(_multiplying(scene), _reason(scene, rays_allowed(scene)))
     return {}
 
 
+@lru_cache(maxsize=256)
+def _counts_too_many(scene_json: str) -> bool:
+    """Whether a grid of positions says so."""
+    scene = Scene.model_validate_json(f'{{"name":"counted",{scene_json[1:]}')
+    width, height = scene.film.width, scene.film.height
+    columns, rows = (max(1, min(size // math.isqrt(_SHARE), most)) for size, most in zip((width, height), _SAMPLES, strict=True))
+    y, x = np.mgrid[0:rows, 0:columns]
+    at = np.stack([(x.ravel() + 0.5) / columns * width, (y.ravel() + 0.5) / rows * height], axis=1)
+    try:
+        examine_raytraced(Case(scene.name, scene, scene.name), at, Allowance(rays_allowed(scene) * len(at) / (width * height)))
+    except TooManyRays:
+        return True
+    return False
+
+
+def examine_within_reason(case: Case, positions: Array) -> Examination:
+    """`examine_raytraced`, but ValueError where the sample has missed that it costs much more than is allowed."""
+    allowed = _MISJUDGED * rays_allowed(case.scene)
+    try:
+        return examine_raytraced(case, positions, Allowance(allowed))
+    except TooManyRays:
+        raise ValueError(f"{case.name}: {_reason(case.scene, allowed)}") from None
+
+
 def rays_allowed(scene: Scene) -> float:
+    """How many rays a picture may have, after the cost of each."""
     return CROSSINGS / (len(scene.objects) * (1 + len(scene.delta_lights)))
+
+
+def _reason(scene: Scene, allowed: float) -> str:
+    return f"recursion_limit {scene.recursion_limit} asks for more than {allowed:.2g} rays"
 
 
 def _most_rays(scene: Scene) -> float:

@@ -79,9 +79,9 @@ def examine(case: Case, film_xy: npt.ArrayLike) -> Examination:
     if case.scene.model == "reflection-equation":
         raise ValueError(f"{case.name}: model reflection-equation is not examined but evaluated")
     if case.scene.model == "raytraced":
-        from equilux_oracle.transport import examine_raytraced
+        from equilux_oracle.affordable import examine_within_reason
 
-        return examine_raytraced(case, positions)
+        return examine_within_reason(case, positions)
     from equilux_oracle.local_picture import examine_local
 
     return examine_local(case, positions)

@@ -21,25 +21,26 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
-import numpy.typing as npt
 
 from equilux_oracle.camera import Rays, film_rays
 from equilux_oracle.doubledouble import DD, Array, Bools, Index, dot, unit
 from equilux_oracle.examination import SLICE, Examination
 from equilux_oracle.highlight import MIRRORED, ROUNDED_ONCE, mirrored, passed, refracted
 from equilux_oracle.lights import Arriving, arriving
-from equilux_oracle.local_formula import UNIT_ROUNDOFF, Shading, Surface, shade, surface
+from equilux_oracle.local_formula import Shading, Surface, shade, surface
 from equilux_oracle.ray_errors import RayError, SurfaceError, at_surface, bending, felt
-from equilux_oracle.shadows import let_through, share_per_crossing
+from equilux_oracle.shadows import let_through
 from equilux_oracle.shapes.crossing import each_ray
-from equilux_oracle.visibility import TIE, Body, Visible, bodies, first_seen
+from equilux_oracle.visibility import TIE, Visible, first_seen
+from equilux_oracle.wave import Indices, Sums, Wave, together
+from equilux_oracle.world import World, world_of
 from equilux_scenes.case import Case
-from equilux_scenes.model import DirectionalLight, Material, Scene
-
-Indices = npt.NDArray[np.int64]
+from equilux_scenes.model import DirectionalLight
 
 WEIGHT = 3.0
 """Roundings of one bounce's weight: 1 − t, its product with k_refl, the product with the weight so far."""
+
+_AT_ONCE = 4 * SLICE
 
 
 class TooManyRays(Exception):
@@ -58,109 +59,6 @@ class Allowance:
             raise TooManyRays
 
 
-@dataclass(frozen=True)
-class World:
-    """A scene made ready. The arrays have one entry per object."""
-
-    scene: Scene
-    objects: list[Body]
-    materials: list[Material]
-    eye_distance: float
-    size: Array
-    curvature: Array
-    stretch: Array
-    transparency: Array
-    reflection: Array
-    transmission: Array
-    ior: Array
-    shares: Array
-
-
-def world_of(scene: Scene) -> World:
-    objects = bodies(scene)
-    materials = [scene.materials[shape.material] for shape in scene.objects]
-    eye_distance = math.hypot(*scene.camera.eye)
-    return World(
-        scene,
-        objects,
-        materials,
-        eye_distance,
-        np.array(
-            [eye_distance + np.linalg.norm(body.center) + (0.0 if np.isinf(body.radius) else body.radius) for body in objects]
-        ),
-        np.array([body.curvature for body in objects]),
-        np.array([body.stretch for body in objects]),
-        np.array([m.transparency for m in materials]),
-        np.array([m.reflection for m in materials]).T,
-        np.array([m.transmission for m in materials]).T,
-        np.array([m.ior for m in materials]),
-        share_per_crossing(scene),
-    )
-
-
-@dataclass(frozen=True)
-class Wave:
-    """One generation of n rays: the positions that they belong to (n,), unit directions, weights (3, n) with a bound on their
-    relative error in u (n,), and how far the rays may be off."""
-
-    position: Indices
-    rays: Rays
-    weight: Array
-    weight_error: Array
-    error: RayError
-
-    def __getitem__(self, index: Index) -> Wave:
-        return Wave(self.position[index], self.rays[index], self.weight[:, index], self.weight_error[index], self.error[index])
-
-    def slices(self) -> Iterator[Wave]:
-        for start in range(0, len(self.position), SLICE):
-            yield self[start : start + SLICE]
-
-
-def _together(waves: list[Wave]) -> Wave:
-    def joined(parts: list[DD]) -> DD:
-        return DD(np.concatenate([p.hi for p in parts], axis=1), np.concatenate([p.lo for p in parts], axis=1))
-
-    position = np.concatenate([wave.position for wave in waves])
-    offset, direction = joined([wave.rays.offset for wave in waves]), joined([wave.rays.direction for wave in waves])
-    return Wave(
-        position,
-        Rays(offset, direction, len(position)),
-        np.concatenate([wave.weight for wave in waves], axis=1),
-        np.concatenate([wave.weight_error for wave in waves]),
-        RayError(np.concatenate([wave.error.lateral for wave in waves]), np.concatenate([wave.error.angle for wave in waves])),
-    )
-
-
-@dataclass
-class Film:
-    """What is being summed at n film positions: (3, n), and how many terms each has, (n,)."""
-
-    radiance: Array
-    bound: Array
-    scale: Array
-    terms: Array
-
-    @classmethod
-    def black(cls, count: int) -> Film:
-        return cls(np.zeros((3, count)), np.zeros((3, count)), np.zeros((3, count)), np.zeros(count))
-
-    def add(self, wave: Wave, radiance: Array, bound: Array, scale: Array) -> None:
-        """Add what surfaces, or the background, send along the wave's rays; bound is absolute."""
-        with_weights = wave.weight * (bound + UNIT_ROUNDOFF * (wave.weight_error + 1.0) * radiance)
-        for whole, part in (
-            (self.radiance, wave.weight * radiance), (self.bound, with_weights), (self.scale, wave.weight * scale)
-        ):  # fmt: skip
-            for band in range(3):
-                whole[band] += np.bincount(wave.position, part[band], whole.shape[1])
-        self.terms += np.bincount(wave.position, minlength=len(self.terms))
-
-    def finish(self) -> tuple[Array, Array, Array]:
-        """Radiance, bound, scale, (n, 3) each. Second order, and the bound's own rounding, are a tenth."""
-        bound = 1.1 * (self.bound + UNIT_ROUNDOFF * self.terms * self.radiance)
-        return self.radiance.T, bound.T, self.scale.T
-
-
 def examine_raytraced(case: Case, positions: Array, allowance: Allowance | None = None) -> Examination:
     """Film positions (n, 2) of a scene without meshes. Raises TooManyRays beyond the allowance."""
     world, left = world_of(case.scene), allowance or Allowance(math.inf)
@@ -170,17 +68,19 @@ def examine_raytraced(case: Case, positions: Array, allowance: Allowance | None 
 
 
 def _examine_slice(world: World, positions: Array, left: Allowance) -> tuple[Array, Array, Array, Array, Indices]:
-    film, wave = Film.black(len(positions)), _from_eye(world, positions)
-    left.spend(len(positions))
-    seen, children = _meet(world, wave, film, generation=0)
+    sums, first = Sums.black(len(positions)), _from_eye(world, positions)
+    left.spend(len(first))
+    seen, children = _meet(world, first, sums, generation=0)
     facing = np.where(seen.object_id >= 0, dot(seen.normal, seen.to_viewer).hi, 1.0)
-    for generation in range(1, world.scene.recursion_limit + 1):
-        if not children:
-            break
-        wave = _together(children)
-        left.spend(len(wave.position))
-        children = [child for part in wave.slices() for child in _meet(world, part, film, generation)[1]]
-    return *film.finish(), facing, seen.object_id
+    # The deepest rays first, and not too many at once: so that memory stays bounded however the rays multiply.
+    waiting = [(1, together(children))] if children else []
+    while waiting:
+        generation, wave = waiting.pop()
+        left.spend(len(wave))
+        children = [child for part in wave.parts(SLICE) for child in _meet(world, part, sums, generation)[1]]
+        if children:
+            waiting += [(generation + 1, part) for part in together(children).parts(_AT_ONCE)]
+    return *sums.finish(), facing, seen.object_id
 
 
 def _from_eye(world: World, positions: Array) -> Wave:
@@ -190,20 +90,20 @@ def _from_eye(world: World, positions: Array) -> Wave:
     return Wave(np.arange(count), rays, np.ones((3, count)), np.zeros(count), RayError.of_camera(coordinates))
 
 
-def _meet(world: World, wave: Wave, film: Film, generation: int) -> tuple[Visible, list[Wave]]:
-    """Add what the rays see to the film; return it, and the rays that go on from there."""
+def _meet(world: World, wave: Wave, sums: Sums, generation: int) -> tuple[Visible, list[Wave]]:
+    """Add what the rays see to the sums; return it, and the rays that go on from there."""
     coordinates = world.eye_distance + (_length(wave.rays.offset) if generation else 0.0)
     seen = first_seen(world.objects, wave.rays, coordinates, TIE * coordinates if generation else 0.0)
     missed = wave[np.flatnonzero(seen.object_id < 0)]
-    if len(missed.position) and any(world.scene.background):
+    if len(missed) and any(world.scene.background):
         shown = np.broadcast_to(np.asarray(world.scene.background).reshape(3, 1), missed.weight.shape)
-        film.add(missed, shown, np.zeros_like(shown), shown if generation else np.zeros_like(shown))
+        sums.add(missed, shown, np.zeros_like(shown), shown if generation else np.zeros_like(shown))
     hit = np.flatnonzero(seen.object_id >= 0)
     if len(hit) == 0:
         return seen, []
     arriving_wave = wave[hit]
     met = _met(world, seen, hit, arriving_wave)
-    film.add(arriving_wave, *_shade(world, met))
+    sums.add(arriving_wave, *_shade(world, met))
     last = generation >= world.scene.recursion_limit
     return seen, [] if last else list(_onward(world, met, arriving_wave))
 
