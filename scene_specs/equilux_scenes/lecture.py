@@ -42,7 +42,9 @@ ROWS: dict[str, Row] = {
     ),
     "flux": Row("Flux", "Φ = 4π I of an isotropic point light", (_UNITS,), ("input.flux", "light.point")),
     "flux-density": Row("Flux density", "dΦ/dA = E cosθ: the receiver's cosine", (_LOCAL,), ("material.diffuse",)),
-    "solid-angle": Row("Solid angle", "Ω = A/R²; cap 2π(1 − cosα), projected π sin²α", (_FORMS,), ("light.sphere|light.disc|light.spot",)),
+    "solid-angle": Row(
+        "Solid angle", "Ω = A/R²; cap 2π(1 − cosα), projected π sin²α", (_FORMS,), ("light.sphere|light.disc|light.spot",),
+    ),
     "radiance": Row("Radiance", "L, W/(m²·sr): every pixel of every image", ("CONVENTIONS.md",)),
     "constancy-of-radiance": Row("Constancy of radiance along a ray", "L₁ = L₂", ("CONVENTIONS.md",)),
     "brdf": Row(
