@@ -4,11 +4,15 @@ against the oracle.
 
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 import pytest
 
 import equilux_oracle
 from equilux_oracle.precise import evaluate_at
+from equilux_scenes.case import Case
+from equilux_scenes.mesh import TriangleMesh
 from equilux_tracer import Tracer
 from support import plain_raytraced
 from support.edges import on_edge
@@ -69,6 +73,55 @@ def test_both_evaluations_find_the_same_discontinuities(seed):
     # The plain one counts gates of lights that do not count as well (behind an opaque surface): the tracer's are among its own.
     missed = ours & ~theirs
     assert missed.sum() <= 1, f"tracer {ours.sum()}, plain {theirs.sum()}, only the tracer at {film_xy[missed][:5]}"
+
+
+def ball_of_triangles():
+    """A closed mesh: the icosahedron's twenty faces, each divided by four; its vertices and faces, wound outward."""
+    golden = (1 + 5**0.5) / 2
+    corners = [np.roll([0.0, sign, other * golden], turn) for turn in range(3) for sign in (-1, 1) for other in (-1, 1)]
+    vertices = [v / np.linalg.norm(v) for v in corners]
+    gap = min(np.linalg.norm(vertices[0] - v) for v in vertices[1:])
+    near = [[np.linalg.norm(a - b) < 1.01 * gap and a is not b for b in vertices] for a in vertices]
+    triples = [t for t in itertools.combinations(range(12), 3) if all(near[a][b] for a, b in itertools.combinations(t, 2))]
+    faces, halves = [], {}
+
+    def half(a, b):
+        key = (min(a, b), max(a, b))
+        if key not in halves:
+            middle = vertices[a] + vertices[b]
+            vertices.append(middle / np.linalg.norm(middle))
+            halves[key] = len(vertices) - 1
+        return halves[key]
+
+    for a, b, c in triples:
+        if np.linalg.det([vertices[a], vertices[b], vertices[c]]) < 0:
+            b, c = c, b
+        x, y, z = half(a, b), half(b, c), half(c, a)
+        faces += [(a, x, z), (b, y, x), (c, z, y), (x, y, z)]
+    return np.array(vertices), np.array(faces)
+
+
+@pytest.mark.parametrize("normals", ["flat", "smooth"])
+@pytest.mark.parametrize("material", ["glass", "bubble", "gauze", "mirror"])
+def test_meshes_mirror_and_refract_like_the_formulas(material, normals):
+    vertices, faces = ball_of_triangles()
+    turn = {"rotate": {"axis": [1, 2, 3], "degrees": 40}}
+    for seed in (4000, 4001):
+        spec = random_raytraced(seed, film=(24, 18), objects=(2, 3), recursion=(3, 5))
+        mesh = {"kind": "mesh", "vertices": [[0, 0, 0]] * 3, "faces": [[0, 1, 2]], "normals": normals, "material": material}
+        spec["objects"].append({**mesh, "transform": [{"scale": [0.5, 0.4, 0.45]}, turn]})
+        case = case_of(spec)
+        arrays = {len(spec["objects"]) - 1: TriangleMesh(vertices, faces, vertices if normals == "smooth" else None)}
+        case = Case(case.name, case.scene, case.scene_name, meshes=arrays)
+        film_xy = equilux_oracle.pixel_centers(case.scene.film)
+        tracer = Tracer(case)
+        got, (expected, _) = tracer.evaluate(film_xy)["radiance"], plain_raytraced.radiance(case, film_xy)
+        share = np.abs(got - expected) / (ALLOWED_ABS + ALLOWED_REL * np.abs(expected))
+        edge = on_edge(tracer, film_xy)
+        assert edge.mean() < 1e-2, edge.sum()
+        share[edge] = 0
+        where = int(np.argmax(share.max(axis=1)))
+        assert (share <= 1).all(), f"{case.name}: reference {got[where]}, plain {expected[where]} at {film_xy[where]}"
 
 
 ROUNDING_GROUPS = {

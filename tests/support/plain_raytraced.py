@@ -101,7 +101,8 @@ def _trace(case: Case, origin: Array, direction: Array, remaining: int, start: f
     total = (sine2 > 1) & (transparency > 0)
     sign = _mixed(sign, total[:, 0])
     mirrored = 2 * cosine * normal - v
-    refracted = eta * d + (eta * cosine - np.sqrt(np.maximum(1 - sine2, 0))) * normal
+    onward = np.where(cosine < 0, -1.0, 1.0)  # a shading normal may look away from the viewer: the ray goes on to its own side
+    refracted = eta * d + (eta * cosine - onward * np.sqrt(np.maximum(1 - sine2, 0))) * normal
     mirror_weight = np.where(total, 1.0, (1 - transparency) * k_refl)
     through_weight = np.where(total, 0.0, transparency * k_trans)
     if remaining > 0:
