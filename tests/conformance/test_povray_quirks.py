@@ -128,3 +128,149 @@ def test_q27_the_highlight_is_the_cosine_of_the_mirror_direction_and_zero_behind
     assert lit(60, 0.1) == pytest.approx(0.5 * 0.5**0.1, abs=1e-5)
     assert lit(60, 0) == pytest.approx(0.5, abs=1e-5)
     assert lit(100, 0) == 0.0
+
+
+# --- mirrors, transparency, media -------------------------------------------------------------------------------------
+
+FULL = "adc_bailout 0 max_trace_level 8"
+GLOW = "finish { ambient 0 diffuse 0 emission 1 }"
+NEAR_ONE = "interior { ior 0.99999994 }"
+
+
+def pane(z: float, filtered: str = "rgbf <1, 1, 1, 1>", more: str = "") -> str:
+    return f"disc {{ <0, 0, {z}>, z, 9 pigment {{ {filtered} }} finish {{ ambient 0 diffuse 0 }} {more} }}"
+
+
+def test_q30_what_passes_is_the_product_of_the_layers_for_rays_and_for_shadows(tmp_path):
+    filters = "".join(layer(f"rgbf <{x}, {x}, {x}, 1>", "ambient 0 diffuse 0") for x in (0.5, 1.5, 0.25))
+    window = f"disc {{ <0, 0, 1>, z, 9 {filters} }}"
+    seen = shown(tmp_path / "a", window + disc(f"pigment {{ rgb 1 }} {GLOW}"), settings=FULL)[MIDDLE][0]
+    assert seen == pytest.approx(0.5 * 1.5 * 0.25, abs=1e-5)
+    aside = window.replace("<0, 0, 1>, z, 9", "<0, 2, 1>, z, 0.5")
+    lamp = "light_source { <0, 4, 2>, rgb 1 }"
+    lit = shown(tmp_path / "b", lamp + aside + disc(layer("rgb 1", "ambient 0 diffuse 1")), settings=FULL)[MIDDLE][0]
+    assert lit == pytest.approx(0.5 * 1.5 * 0.25 * 2 / np.sqrt(20), abs=1e-5)
+
+
+def test_q31_reflection_is_added_whatever_the_layers_do(tmp_path):
+    ceiling = f"disc {{ <0, 0, 5>, z, 9 pigment {{ rgb 1 }} {GLOW} }}"
+    for name, pigment in (("opaque", "rgb 0.5"), ("clear", "rgbt <0.5, 0.5, 0.5, 0.75>")):
+        mirror = disc(layer(pigment, "ambient 0 diffuse 0 reflection { rgb 0.375 }"))
+        got = shown(tmp_path / name, ceiling + mirror, settings=FULL)[MIDDLE][0]
+        assert got == pytest.approx(0.375, abs=1e-5), name
+
+
+@pytest.mark.parametrize(("passing", "expected"), [("1e-20", 0.75), ("0", 0.0)])
+def test_q32_total_reflection_has_weight_1_and_needs_something_to_pass(passing, expected, tmp_path):
+    # from inside a glass ball, 60° off its normal: 1.5 sin 60° > 1
+    camera = CAMERA.replace("<0, 0, 3>", "<0.8660254, 0, 0>")
+    glass = f"pigment {{ rgbf <{passing}, {passing}, {passing}, 1> }} finish {{ ambient 0 diffuse 0 }} interior {{ ior 1.5 }}"
+    ball = f"sphere {{ 0, 1 {glass} }}"
+    target = f"sphere {{ <0.2, 0, -0.66>, 0.3 pigment {{ rgb 0.75 }} {GLOW} }}"
+    got = shown(tmp_path, ball + target, camera=camera.replace("right <1,", "right <1e-3,").replace("up <0, 1,", "up <0, 1e-3,"),
+                settings=FULL)[MIDDLE][0]
+    assert got == pytest.approx(expected, abs=1e-5)
+
+
+def test_q33_the_shadow_ray_of_a_parallel_light_ends_in_the_plane_through_its_location(tmp_path):
+    def lit(location: str) -> float:
+        lamp = f"light_source {{ {location}, rgb 0.5 parallel point_at 0 }}"
+        blocker = "disc { <0, 4, 4>, z, 2 pigment { rgb 0 } }"
+        return float(shown(tmp_path / location, lamp + blocker + disc(layer("rgb 1", "ambient 0 diffuse 1")))[MIDDLE][0])
+
+    assert lit("<0, 1, 1>") == pytest.approx(0.5 / np.sqrt(2), abs=1e-5)
+    assert lit("<0, 1e7, 1e7>") == 0.0
+
+
+@pytest.mark.parametrize(("inside", "expected"), [("", 0.5), ("interior { ior 1.00000001 }", 0.5), (NEAR_ONE, 0.0)])
+def test_q34_and_q35_a_ray_through_index_1_does_not_count_and_the_next_float32_does(inside, expected, tmp_path):
+    # at its last level POV-Ray does not go on at all, counted or not: so the second pane shows it
+    panes = pane(1, more=inside) + pane(2, more=inside) + disc(f"pigment {{ rgb 0.5 }} {GLOW}")
+    got = shown(tmp_path, panes, settings="adc_bailout 0 max_trace_level 2")[MIDDLE][0]
+    assert got == pytest.approx(expected, abs=1e-5)
+
+
+def test_q34_objects_of_one_inside_count_and_those_of_equal_insides_do_not(tmp_path):
+    def seen(panes: str, level: int) -> float:
+        scene = panes + disc(f"pigment {{ rgb 0.5 }} {GLOW}")
+        folder = tmp_path / f"{len(panes)}-{level}"
+        return float(shown(folder, scene, settings=f"adc_bailout 0 max_trace_level {level}")[MIDDLE][0])
+
+    apart = "".join(pane(z, more=NEAR_ONE) for z in (1, 2, 2.5))
+    shared = f"union {{ {pane(1)} {pane(2)} {pane(2.5)} {NEAR_ONE} split_union off }}"
+    assert seen(apart, 3) == pytest.approx(0.5, abs=1e-5)
+    assert seen(shared, 3) == 0.0
+    assert seen(shared, 4) == pytest.approx(0.5, abs=1e-5)
+
+
+def test_q36_the_eye_is_inside_a_mesh_only_with_an_inside_vector(tmp_path):
+    corners = "<-1, -1, -1>, <1, -1, -1>, <1, 1, -1>, <-1, 1, -1>, <-1, -1, 1>, <1, -1, 1>, <1, 1, 1>, <-1, 1, 1>"
+    faces = ("<0, 2, 1>, <0, 3, 2>, <4, 5, 6>, <4, 6, 7>, <0, 1, 5>, <0, 5, 4>, <2, 3, 7>, <2, 7, 6>, <1, 2, 6>, <1, 6, 5>,"
+             " <3, 0, 4>, <3, 4, 7>")
+    # looking out 43.5° off the normal: always totally reflected if the eye is known to be inside
+    camera = "camera { location 0 direction <1, 0.02, -0.95> right <1e-3, 0, 0> up <0, 1e-3, 0> }"
+    sky = "background { rgb 0.25 }"
+    seen = {}
+    for name, vector in (("without", ""), ("with", "inside_vector <0.36, 0.48, 0.8>")):
+        mesh = f"mesh2 {{ vertex_vectors {{ 8, {corners} }} face_indices {{ 12, {faces} }} {vector}"
+        glass = mesh + " pigment { rgbf <0.5, 0.5, 0.5, 1> } finish { ambient 0 diffuse 0 } interior { ior 1.5 } }"
+        seen[name] = shown(tmp_path / name, sky + glass, camera=camera, settings=FULL)[MIDDLE][0]
+    assert seen["with"] == 0.0
+    assert seen["without"] == pytest.approx(0.5 * 0.25, abs=1e-5), "out through the first face"
+
+
+def test_q37_a_blocker_nearer_than_1e_3_casts_no_shadow(tmp_path):
+    def lit(distance: float) -> float:
+        blocker = f"disc {{ <0, 0, {distance}>, z, 9 pigment {{ rgb 0 }} finish {{ ambient 0 diffuse 0 }} no_image }}"
+        floor = disc(layer("rgb 1", "ambient 0 diffuse 1"))
+        return float(shown(tmp_path / str(distance), LAMP.replace("rgb 1", "rgb 0.5") + blocker + floor)[MIDDLE][0])
+
+    assert lit(0.9e-3) == pytest.approx(0.5, abs=1e-5)
+    assert lit(1.1e-3) == 0.0
+
+
+def test_q38_level_1_is_the_cameras_ray(tmp_path):
+    # two mirrors face to face, each glowing with 2⁻³: level m shows exactly m terms
+    mirror = "pigment { rgb 1 } finish { ambient 0 diffuse 0 emission 0.125 reflection { rgb 0.5 } }"
+    scene = disc(mirror) + f"disc {{ <0, 0, 5>, z, 9 {mirror} }}"
+    for level in (1, 2, 5):
+        got = shown(tmp_path / str(level), scene, settings=f"adc_bailout 0 max_trace_level {level}")[MIDDLE][0]
+        assert got == pytest.approx(0.125 * sum(0.5**k for k in range(level)), abs=1e-5)
+
+
+def test_q39_light_from_behind_makes_no_highlight(tmp_path):
+    lamp = LAMP.replace("<0, 0, 3>", "<0, 0, -3>")
+    sheet = disc(layer("rgbt <1, 1, 1, 0.5>", "ambient 0 diffuse 0.5, 0.25 phong 1 phong_size 1 specular 1 roughness 1"))
+    assert shown(tmp_path, lamp + sheet, settings=FULL)[MIDDLE][0] == pytest.approx(0.5 * 0.25, abs=1e-5)
+
+
+def test_q40_specular_is_the_half_vector_with_the_inverse_of_roughness(tmp_path):
+    lamp = "light_source { vrotate(z, y * 60), rgb 1 parallel point_at 0 }"
+    for exponent in (0.0, 4.0, 128.0):
+        mirror = layer("rgb 0", f"ambient 0 diffuse 0 specular 0.5 roughness {1 / max(exponent, 1e-30)!r}")
+        got = shown(tmp_path / str(exponent), lamp + disc(mirror))[MIDDLE][0]
+        assert got == pytest.approx(0.5 * np.cos(np.radians(30)) ** exponent, abs=1e-5)
+
+
+def test_q42_an_area_light_has_no_cosine_at_the_emitter(tmp_path):
+    # a square metre one metre above the floor, as bright as point lights of 1/4 W/sr in all
+    camera = "camera { orthographic location <0, 0.5, 0> direction <0, -1, 0> right <9, 0, 0> up <0, 0, 9> }"
+    lamp = "light_source { <0, 1, 0>, rgb 0.125e6 area_light x, z, 33, 33 area_illumination on fade_power 2 fade_distance 1e-3 }"
+    row = shown(tmp_path, lamp + "plane { y, 0 " + layer("rgb 1", "ambient 0 diffuse 1") + " }", camera=camera)[SIZE // 2, :, 0]
+    grid = (np.arange(400) + 0.5) / 400 - 0.5
+    for aside, excess in ((0, 0.06), (1, 0.36), (2, 1.15)):
+        squares = (grid[:, None] - aside) ** 2 + grid[None] ** 2 + 1
+        emitted = 0.25 * np.mean(squares**-2.0)
+        assert row[SIZE // 2 + aside] / emitted - 1 == pytest.approx(excess, abs=0.01), f"{aside} m aside"
+
+
+def test_q43_media_are_nested_by_a_stack(tmp_path):
+    # a ball of the same glass inside a ball of glass is not there, where the model would see it as glass in air
+    def seen(inner: str) -> np.ndarray:
+        glass = "pigment { rgbf <1, 1, 1, 1> } finish { ambient 0 diffuse 0 } interior { ior 1.5 }"
+        wall = f"disc {{ <0, 0, -3>, z, 9 pigment {{ gradient x color_map {{ [0 rgb 0] [1 rgb 1] }} scale 20 }} {GLOW} }}"
+        balls = f"sphere {{ 0, 1 {glass} }}" + inner.replace("GLASS", glass)
+        return shown(tmp_path / str(len(inner)), wall + balls, settings=FULL)
+
+    alone, nested = seen(""), seen("sphere { <0.1, 0, 0>, 0.5 GLASS }")
+    np.testing.assert_allclose(nested, alone, atol=2e-5)
