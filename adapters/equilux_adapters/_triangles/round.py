@@ -75,10 +75,10 @@ class Round:
         return self.rim < len(self.angles) - 1
 
 
-def divide(distance: float, segments: int, radius: float, scale: Scale, largest: float) -> Round:
+def divide(distance: float, segments: int, radius: float, scale: Scale, largest: float, grazing: bool = True) -> Round:
     """Angles of a circle seen from `distance` radii away (inf: parallel rays), at a tolerance of (2π/segments)²/8 on the normal.
 
-    largest: no step is greater, radians.
+    largest: no step is greater, radians. grazing: whether steps become smaller where the surface is seen at a grazing angle.
     """
 
     def steepness(angles: Array) -> Array:
@@ -91,6 +91,8 @@ def divide(distance: float, segments: int, radius: float, scale: Scale, largest:
     smallest = FACET_MIN_PX / (radius * scale.small)
 
     def wanted(tan_i: Array) -> Array:
+        if not grazing:
+            return np.full_like(tan_i, largest)
         return np.minimum(np.sqrt(4 * tolerance / np.maximum(tan_i, 1e-300)), largest)
 
     def stretch_of(start: float, end: float) -> Array:
@@ -149,7 +151,7 @@ def sphere_scale(view: View, center: Array, radius: float, matrix: Array | None)
 
 
 def sphere_division(
-    view: View, center: Array, radius: float, segments: int, matrix: Array | None = None
+    view: View, center: Array, radius: float, segments: int, matrix: Array | None = None, grazing: bool = True
 ) -> tuple[Array, Round, Array]:
     """Axes (w towards the eye), the meridian's division, and the number of points on each parallel (a power of two times 8)."""
     center = np.asarray(center, dtype=float)
@@ -157,7 +159,7 @@ def sphere_division(
     axes = axes_towards(against if view.parallel or np.allclose(eye, center, rtol=0, atol=1e-12 * radius) else eye - center)
     scale = sphere_scale(view, center, radius, matrix)
     distance = np.inf if view.parallel else float(np.linalg.norm(eye - center)) / radius
-    meridian = divide(distance, segments, radius, scale, np.sqrt(2) * np.pi / segments)
+    meridian = divide(distance, segments, radius, scale, np.sqrt(2) * np.pi / segments, grazing)
     levels = np.ceil(np.log2(np.maximum(2 * np.pi * np.sin(meridian.angles) / meridian.across / 8, 1))).astype(int)
     # parallels next to each other differ by a factor of two at most
     for k in range(len(levels) - 2, 0, -1):

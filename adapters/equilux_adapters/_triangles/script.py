@@ -75,9 +75,11 @@ def surface_names(objects: Iterable[Object]) -> dict[str, str]:
     return names
 
 
-def shape(index: int, obj: Object, segments: int) -> str:
-    """The call that makes an object's triangles."""
+def shape(index: int, obj: Object, segments: int, grazing: bool = True) -> str:
+    """The call that makes an object's triangles; grazing: see `round.divide`."""
     given = [f"{name}={value(of)}" for name, of in arguments(obj, segments).items()]
+    if obj.kind in ("sphere", "cylinder") and not grazing:
+        given.append("grazing=False")
     if obj.kind == "mesh":
         given.insert(0, f'**read_mesh("mesh-{index}.npz")')
     return f"{obj.kind}({', '.join(['view', *given])})"

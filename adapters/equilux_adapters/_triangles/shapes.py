@@ -25,9 +25,11 @@ from equilux_adapters._triangles.view import Mesh, View, linear_and_shift, mappe
 Array = Any
 
 
-def sphere(view: View, center: Array, radius: float, segments: int, matrix: Array | None = None) -> Mesh:
-    """Rings about the axis towards the eye; what the sphere itself hides is left out."""
-    axes, meridian, counts = sphere_division(view, center, radius, segments, matrix)
+def sphere(
+    view: View, center: Array, radius: float, segments: int, matrix: Array | None = None, grazing: bool = True
+) -> Mesh:
+    """Rings about the axis towards the eye; what the sphere itself hides is left out. grazing: see `divide`."""
+    axes, meridian, counts = sphere_division(view, center, radius, segments, matrix, grazing)
     hides_back = meridian.has_rim and not cut_by_eye_plane(view, center, radius, matrix)
     last = meridian.rim if hides_back else len(meridian.angles) - 1
     rings, start, total = [], [], 0
@@ -73,7 +75,7 @@ def cut_by_eye_plane(view: View, center: Array, radius: float, matrix: Array | N
 
 
 def cylinder_division(
-    view: View, base: Array, top: Array, radius: float, segments: int, matrix: Array | None
+    view: View, base: Array, top: Array, radius: float, segments: int, matrix: Array | None, grazing: bool = True
 ) -> tuple[Array, Round, Scale]:
     """Axes (w along the cylinder, u towards the eye), the division of half its circumference, and the scale it is made for."""
     base, top = np.asarray(base, dtype=float), np.asarray(top, dtype=float)
@@ -88,14 +90,16 @@ def cylinder_division(
         u, v = (aside[0] * u + aside[1] * v) / np.linalg.norm(aside), (aside[0] * v - aside[1] * u) / np.linalg.norm(aside)
     scale = film_scale(view, matrix, np.stack([base, top]), radius, clearance)
     distance = np.inf if view.parallel else float(np.linalg.norm(aside)) / radius
-    return np.stack([u, v, w]), divide(distance, segments, radius, scale, 2 * np.pi / sectors(segments, radius, scale)), scale
+    largest = 2 * np.pi / sectors(segments, radius, scale)
+    return np.stack([u, v, w]), divide(distance, segments, radius, scale, largest, grazing), scale
 
 
 def cylinder(
-    view: View, base: Array, top: Array, radius: float, capped: bool, segments: int, matrix: Array | None = None
-) -> Mesh:
-    """Side with radial normals, and caps that share its rim."""
-    axes, half, _ = cylinder_division(view, base, top, radius, segments, matrix)
+    view: View, base: Array, top: Array, radius: float, capped: bool, segments: int, matrix: Array | None = None,
+    grazing: bool = True,
+) -> Mesh:  # fmt: skip
+    """Side with radial normals, and caps that share its rim. grazing: see `divide`."""
+    axes, half, _ = cylinder_division(view, base, top, radius, segments, matrix, grazing)
     turn = np.concatenate([half.angles, -half.angles[-2:0:-1]])
     count = len(turn)
     radial = np.cos(turn)[:, None] * axes[0] + np.sin(turn)[:, None] * axes[1]

@@ -30,9 +30,13 @@ DIRECTION_ROUNDINGS = 8
 COSINE_ROUNDINGS = 6
 """Of a cosine near 1: the lengths of two vectors made unit, 2 u each, and the sum of three products, 2 u."""
 
-LIGHT_ROUNDINGS = 16
+LIGHT_ROUNDINGS = 12
 """Of one light's contribution beyond its cosines: r² (4 u), the attenuation's sum and quotient (3 u), the product of light and
-material and two factors (3 u), log2 and exp2 (2 u); and the interpolation: 1/depth, and the sum of three products (4 u)."""
+material and two factors (3 u), log2 and exp2 (2 u)."""
+
+CONSTANT_ROUNDINGS = 6
+"""Of emission and global ambient light, two numbers each, their product and sum (2 u); and of the interpolation: 1/depth, the
+planes of value and nearness, and their quotient (4 u). The background is cleared to as it is."""
 
 
 def facts_of(case: Case, knobs: OpenGLKnobs) -> dict[str, Any]:
@@ -68,14 +72,14 @@ def _round(obj: Object) -> dict[str, Any] | None:
 
 
 def budget_of(facts: Mapping[str, Any], interpolation: Floats) -> Budget:
-    """The terms. interpolation: (h, w, 3), see `interpolation`. Constant colours are exact but for their storage."""
+    """The terms. interpolation: (h, w, 3), see `interpolation`."""
     snapped = "corners are moved to multiples of 1/256 pixel, and circles are polygons"
     terms: list[Bound | Geometric] = [Geometric("silhouettes", snapped, film_px=SNAP_PX + facts["film_px"])]
     if facts["set_back_m"]:
         terms.append(Geometric("set back", "surfaces in one place are drawn apart", position_m=_by_index(facts["set_back_m"])))
+    reason = "the formula is evaluated at the corners of triangles, and its value interpolated over them"
+    terms.append(Bound("vertex lighting", reason, abs=interpolation))
     if facts["lights"]:
-        reason = "the formula is evaluated at the corners of triangles, and its value interpolated over them"
-        terms.append(Bound("vertex lighting", reason, abs=interpolation))
         # an error of L or V counts as much as one of N
         terms.append(
             Geometric(
@@ -83,8 +87,10 @@ def budget_of(facts: Mapping[str, Any], interpolation: Floats) -> Budget:
                 position_m={index: POSITION_ROUNDINGS * U * reach for index, reach in _by_index(facts["reach_m"]).items()},
             )
         )
-        roundings = LIGHT_ROUNDINGS + len(facts["lights"]) + COSINE_ROUNDINGS * facts["exponent"]
-        terms.append(Bound("arithmetic", "rounding of each light's terms and of their sum", rel=roundings * U))
+    roundings = CONSTANT_ROUNDINGS
+    if facts["lights"]:
+        roundings += LIGHT_ROUNDINGS + len(facts["lights"]) + COSINE_ROUNDINGS * facts["exponent"]
+    terms.append(Bound("arithmetic", "rounding of each term, of their sum and of its interpolation", rel=roundings * U))
     return Budget(tuple(terms))
 
 

@@ -40,13 +40,13 @@ def placed(obj: Object) -> Floats | None:
 def silhouette_px(view: View, obj: Object, segments: int) -> float:
     """How far on the film the chords that stand for a circle stay off it: radius × angle² / 8. Corners lie on the silhouette."""
     if isinstance(obj, Sphere):
-        _, meridian, counts = sphere_division(view, obj.center, obj.radius, segments, placed(obj))
+        _, meridian, counts = sphere_division(view, obj.center, obj.radius, segments, placed(obj), grazing=False)
         if not meridian.has_rim:
             return 0.0
         step = 2 * math.pi * math.sin(meridian.angles[meridian.rim]) / counts[meridian.rim]
         return _chord_px(step, obj.radius * sphere_scale(view, obj.center, obj.radius, placed(obj)).large)
     if isinstance(obj, Cylinder):
-        _, half, scale = cylinder_division(view, obj.base, obj.top, obj.radius, segments, placed(obj))
+        _, half, scale = cylinder_division(view, obj.base, obj.top, obj.radius, segments, placed(obj), grazing=False)
         return _chord_px(float(np.max(np.diff(half.angles))), obj.radius * scale.large)
     if isinstance(obj, Disc):
         scale = film_scale(view, placed(obj), np.asarray(obj.center), obj.radius)

@@ -11,7 +11,7 @@ class OpenGLKnobs(Knobs):
     """Settings of the OpenGL adapter. Light is evaluated at corners only: how small triangles are is how accurate it is."""
 
     triangle_px: float = Field(
-        default=0.75,
+        default=1.0,
         ge=0.05,
         le=1000,
         description="longest side of a triangle on the film, pixels; the interpolation's error goes with its square",

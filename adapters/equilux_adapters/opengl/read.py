@@ -29,8 +29,7 @@ def read(raw: RawRender, program: Program, knobs: OpenGLKnobs) -> Reading:
     except (OSError, ValueError, EOFError) as error:
         raise RendererFailed(f"{IMAGE}: {error}") from error
     facts = program.data
-    bound = _interpolation(facts, raw.files[DRAWN]) if facts["lights"] else np.zeros(image.shape)
-    return Reading(image, budget_of(facts, bound))
+    return Reading(image, budget_of(facts, _interpolation(facts, raw.files[DRAWN])))
 
 
 def _interpolation(facts: Mapping[str, Any], drawn: Path) -> Floats:

@@ -50,7 +50,7 @@ def _body(case: Case, knobs: OpenGLKnobs) -> list[str]:
     for index, (obj, segments) in enumerate(zip(scene.objects, segments_of(case, knobs), strict=True)):
         smooth = isinstance(obj, Mesh) and case.meshes[index].vertex_normals is not None
         turn = f", turn={number(2 * np.pi / knobs.tessellation)}" if smooth else ""
-        fine = f"drawn(view, {text.shape(index, obj, segments)}, triangle_px={number(knobs.triangle_px)}{turn})"
+        fine = f"drawn(view, {text.shape(index, obj, segments, grazing=False)}, triangle_px={number(knobs.triangle_px)}{turn})"
         drawn.append((f"({fine}, {surfaces[obj.material]})", f"objects[{index}]"))
     lines += [*text.listing("objects", drawn), *text.set_back_line(set_backs(case))]
     rest = [f"ambient={numbers(scene.ambient)}"] if any(scene.ambient) else []

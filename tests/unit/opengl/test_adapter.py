@@ -21,7 +21,11 @@ from equilux_adapters.opengl.knobs import OpenGLKnobs
 from equilux_scenes.causes import is_known
 from equilux_scenes.features import FEATURES
 
-FACTS = {"lights": [], "film_px": 0.0, "set_back_m": {}}
+FACTS = {
+    "camera": {"projection": "orthographic", "eye": [0, 0, 1], "target": [0, 0, 0], "up": [0, 1, 0], "height_m": 1},
+    "film": {"width": 2, "height": 1}, "lights": [], "surfaces": [], "round": [], "ambient": [0, 0, 0], "local_viewer": True,
+    "film_px": 0.0, "set_back_m": {},
+}  # fmt: skip
 
 
 def test_it_is_an_adapter():
@@ -77,9 +81,10 @@ def test_an_image_that_cannot_be_read_is_a_failed_render(content, tmp_path):
 
 
 def test_pixels_that_are_not_finite_are_handed_on_as_they_are(tmp_path: Path):
-    path, image = tmp_path / "image.npy", np.float32([[[np.nan, np.inf, -np.inf], [0, -1, 2]]])
+    path, image, drawn = tmp_path / "image.npy", np.float32([[[np.nan, np.inf, -np.inf], [0, -1, 2]]]), tmp_path / "drawn.npz"
     np.save(path, image)
-    reading = ADAPTER.read(RawRender({"image.npy": path}), Program({}, "scene.py", FACTS), OpenGLKnobs())
+    np.savez(drawn)
+    reading = ADAPTER.read(RawRender({"image.npy": path, "drawn.npz": drawn}), Program({}, "scene.py", FACTS), OpenGLKnobs())
     assert np.array_equal(reading.image, image, equal_nan=True)
 
 

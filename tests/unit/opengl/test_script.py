@@ -42,10 +42,10 @@ def scene() -> Scene:
         Light(diffuse=(8, 5, 2), position=(1, 2, 3), attenuation=(0, 0, 1)),  # key
     ]
     objects = [
-        (drawn(view, sphere(view, center=(0.25, 0, 0), radius=0.5, segments=64), triangle_px=0.75), surface_clay),  # objects[0]
+        (drawn(view, BALL, triangle_px=1), surface_clay),  # objects[0]
     ]
     return Scene(view, lights, objects)
-"""
+""".replace("BALL", "sphere(view, center=(0.25, 0, 0), radius=0.5, segments=64, grazing=False)")
 
 
 def script(**changes: object) -> str:
