@@ -10,6 +10,7 @@ from equilux.adapter import Case, Image
 from equilux.results import Luminance, Photometry
 from equilux_scenes.photometry import k_m_text, luminance_weights
 from equilux_scenes.spectral_data import SpectraMissing
+from equilux_scenes.units import written_strengths
 
 
 def photometry_of(case: Case) -> Photometry | None:
@@ -20,7 +21,8 @@ def photometry_of(case: Case) -> Photometry | None:
     except SpectraMissing:
         return None
     bands = "linear Rec.709 primaries" if scene.bands is None else _intervals(scene.bands.intervals_nm)
-    return Photometry(k_m=scene.k_m, k_m_text=k_m_text(scene), bands=bands, luminance_weights=weights)
+    lights = written_strengths(scene)
+    return Photometry(k_m=scene.k_m, k_m_text=k_m_text(scene), bands=bands, luminance_weights=weights, lights=lights)
 
 
 @lru_cache

@@ -54,6 +54,7 @@ class Photometry(Record):
     k_m_text: str
     bands: str
     luminance_weights: tuple[float, float, float] = Field(description="lm/W, of the three bands")
+    lights: dict[str, str] = Field(default={}, description="how lights were given that were not given by bands")
 
 
 class RenderRecord(Record):

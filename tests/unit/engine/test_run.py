@@ -16,7 +16,8 @@ import pytest
 
 from equilux.progress import Plain, Silent, suitable
 from equilux.tree import read_json
-from support.engine import LABORATORIES, only_case, pair_of, run, scene
+from equilux_scenes.loader import load_scene_text
+from support.engine import LABORATORIES, only_case, pair_of, run, scene, scene_text
 
 SEVERAL = "sweep:\n  glow: {path: materials.clay.emission, values: [0, 0.1, 0.2, 0.3, 0.4, 0.5]}"
 
@@ -32,6 +33,14 @@ def test_a_worker_that_dies_while_idle_charges_no_case(tmp_path: Path):
     finished = run(tmp_path / "run", "dying-idle", "slow", scenes=scenes, jobs=1)
     assert [case.renders["dying-idle"].status for case in finished.results.cases] == ["ok", "ok"]
     assert [case.renders["dying-idle"].attempts for case in finished.results.cases] == [1, 1]
+
+
+def test_results_say_how_lights_were_given_and_by_which_k_m(tmp_path: Path):
+    found = load_scene_text(scene_text(rest="k_m: 684").replace("intensity: 7.5", "luminous_intensity: 5130"))
+    said = only_case(run(tmp_path / "out", "good", scenes=[found])).photometry
+    assert said is not None
+    assert said.lights == {"key": "luminous_intensity 5130 cd"}
+    assert (said.k_m, said.k_m_text) == (684, "684 lm/W, the lecture's, 0.146 % above the SI's 683.002")
 
 
 def test_knobs_reach_the_adapter_and_are_recorded(tmp_path: Path):
