@@ -39,7 +39,7 @@ def floats(vector):
 
 
 @pytest.mark.parametrize("kind", KINDS)
-@pytest.mark.parametrize("exponent", [0.0, 1.0, 3.7, 20.0])
+@pytest.mark.parametrize("exponent", [0.0, 1.0, 6.4, 20.0])
 def test_an_emitter_anywhere(received, kind, exponent):
     rng = random.Random(f"{kind} {exponent}")
     at = receiver_of(random_direction(rng), random_direction(rng), exponent)
@@ -84,7 +84,7 @@ def test_a_view_along_the_surface(received, kind, slope):
 
 
 @pytest.mark.parametrize("kind", KINDS)
-@pytest.mark.parametrize("exponent", [0.5, 4.0])
+@pytest.mark.parametrize("exponent", [6.5, 4.0])
 def test_a_view_along_the_normal(received, kind, exponent):
     rng = random.Random(kind)
     at = receiver_of((0, 0, 1), (0, 0, 1), exponent)
@@ -92,7 +92,7 @@ def test_a_view_along_the_normal(received, kind, exponent):
     check(received(emitter, at), integrated(emitter, at), at, f"{kind}, V = N, p = {exponent}")
 
 
-@pytest.mark.parametrize(("exponent", "cosine"), [(0.0, 0.5), (0.3, 0.95), (1.0, 0.3), (5.0, 0.5)])
+@pytest.mark.parametrize(("exponent", "cosine"), [(0.0, 0.5), (6.5, 0.9), (1.0, 0.3), (5.0, 0.5)])
 def test_the_whole_hemisphere(received, exponent, cosine):
     at = receiver_of((0, 0, 1), (math.sqrt(1 - cosine**2), 0, cosine), exponent)
     true = converged(lambda nodes: from_hemisphere(at, nodes=nodes), exponent)
