@@ -16,9 +16,10 @@ namespace equilux {
 // What the kernel is compiled for. Anything that is false here leaves no code behind. Of the combinations that scenes ask for, four are
 // compiled (twice, with and without channels): nothing but the lights; with shadows; with mirrors too; with everything. A scene gets the
 // least one that has all it needs.
-template <bool Shadows, bool Mirrors, bool Glass, bool TermChannels>
+template <bool Shadows, bool Mirrors, bool Glass, bool TermChannels, bool RoundingBound = TermChannels>
 struct PathFeatures {
-  static constexpr bool occlusion = Shadows, reflection = Mirrors, transparency = Glass, channels = TermChannels;
+  static constexpr bool occlusion = Shadows, reflection = Mirrors, transparency = Glass;
+  static constexpr bool channels = TermChannels, rounding = RoundingBound;  // rounding: the bound, and the spread that it needs
   static constexpr bool secondary = Mirrors || Glass;
 };
 
@@ -138,7 +139,7 @@ template <class F> Bands local_terms(Tracing& tracing, const Visit& visit, const
         if (tracing.out.diffuse) write(tracing.out.diffuse, visit.sample * lights + k, diffuse);
         if (tracing.out.specular) write(tracing.out.specular, visit.sample * lights + k, specular);
       }
-      if (counts) rounding = rounding + rounding_of_path_light(world.lights[k], arriving, material, side, shadow, moved);
+      if (F::rounding && counts) rounding = rounding + rounding_of_path_light(world.lights[k], arriving, material, side, shadow, moved);
       tracing.signature.add_light(cosine > 0, arriving.in_cone, lobe_shines && material.exponent < 1);
       if (counts) tracing.signature.add(shadow.crossed * 2 + (total ? 1 : 0));
     }
@@ -192,20 +193,18 @@ template <class F> void send_secondary(Tracing& tracing, const Visit& visit, con
     if (!weight.any()) continue;
     const Branch branch = visit.branch == Branch::none ? ray.branch : visit.branch;
     tracing.pending.push_back({leaving(tracing.world, visit.point, ray.direction), weight, visit.used + 1, branch, {}});
-    if constexpr (F::channels) tracing.pending.back().spread = spread_beyond(moved, visit.point, to_double(ray.direction), ray.bend);
+    if constexpr (F::rounding) tracing.pending.back().spread = spread_beyond(moved, visit.point, to_double(ray.direction), ray.bend);
   }
 }
 
 template <class F> void shade(Tracing& tracing, const Visit& visit) {
   Moved moved;
-  if constexpr (F::channels) {
-    tracing.signature.add_surface(visit.point);
-    moved = moved_by(tracing.world, visit.spread, visit.point);
-  }
+  if constexpr (F::channels) tracing.signature.add_surface(visit.point);
+  if constexpr (F::rounding) moved = moved_by(tracing.world, visit.spread, visit.point);
   Bands rounding;
   const Bands local = local_terms<F>(tracing, visit, moved, rounding);
   tracing.add(visit.weight * local, visit.branch);
-  if constexpr (F::channels) {
+  if constexpr (F::rounding) {
     const double factors = 4 * visit.used + static_cast<double>(tracing.world.lights.size()) + 3;
     tracing.rounding = tracing.rounding + visit.weight * (rounding + local * factors);
     ++tracing.terms;
@@ -228,7 +227,7 @@ template <class F> bool follow_all(Tracing& tracing, std::size_t sample, const S
       if constexpr (F::channels) tracing.signature.add(signature_of_a_miss);
       const Bands& background = tracing.world.description.background;
       tracing.add(next.weight * background, next.branch);
-      if constexpr (F::channels) {
+      if constexpr (F::rounding) {
         tracing.rounding = tracing.rounding + next.weight * background * (4 * next.used + 1.0);
         ++tracing.terms;
       }

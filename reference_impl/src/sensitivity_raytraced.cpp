@@ -7,7 +7,7 @@
 namespace equilux {
 namespace {
 
-using Everything = PathFeatures<true, true, true, true>;
+using Everything = PathFeatures<true, true, true, true, false>;
 
 constexpr double step_shares[] = {1.0, 1.0 / 4, 1.0 / 16, 1.0 / 64};
 
@@ -29,7 +29,7 @@ struct Found {
   std::uint64_t signature = 0;
 };
 
-// A hit with all that is held there. `displaced_m`: how far a step has moved the point off its surface.
+// A hit with all that is held there.
 struct Hit {
   SurfacePoint point;
   const MaterialDescription* material = nullptr;
@@ -56,6 +56,7 @@ class Steps {
  private:
   bool visit(Hit& hit, Bands& total);
   void hold(Hit& hit);
+  // displaced_m: how far a step has moved the point off its surface.
   Found follow(const SurfacePoint& point, const Vec3dd& direction, int used, double displaced_m);
   Bands local(const Hit& hit, const SurfacePoint& point) const;
   Bands from_light(const Hit& hit, std::size_t k, const Vec3d& position, const Vec3d& normal, const Vec3d& to_viewer) const;
@@ -244,6 +245,13 @@ bool Steps::total_of(const SurfacePoint& first, Bands& total) {
 
 bool sensitivity_raytraced(const World& world, const Samples& samples, const GeometricBounds& bounds, double* out, int threads,
                            const Cancel* cancel, const Interrupted& interrupted) {
+  const auto none = [](const std::vector<double>& of_objects) {
+    return std::all_of(of_objects.begin(), of_objects.end(), [](double bound) { return bound == 0; });
+  };
+  if (none(bounds.normal) && none(bounds.position_m)) {
+    std::fill_n(out, 3 * samples.count, 0.0);
+    return true;
+  }
   return for_each_chunk(samples.count, threads, cancel, interrupted, [&](std::size_t begin, std::size_t end, const Stopped& stopped) {
     Search search;
     search.world = &world;
