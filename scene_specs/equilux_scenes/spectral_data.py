@@ -1,15 +1,18 @@
 """The CIE's tables, from colour-science: loaded when a scene first needs one, and never typed by hand.
 
-Importing colour-science takes seconds, so nothing here does it before a spectrum, or an interval of wavelengths, is looked at.
+Importing colour-science takes half a second, and seconds more for its plots, which nobody here draws. So it is imported when a
+spectrum, or an interval of wavelengths, is first looked at, and its plots when somebody asks for them.
 """
 
 from __future__ import annotations
 
 import importlib
+import sys
 import warnings
 from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cache
+from types import ModuleType
 from typing import Any
 
 import numpy as np
@@ -35,13 +38,30 @@ class Sampled:
     values: Floats
 
 
+_PLOTS = "colour.plotting"
+
+
+class _PlotsLater(ModuleType):
+    """Stands for colour-science's plots, and with them Matplotlib, until something of them is used."""
+
+    def __getattr__(self, name: str) -> Any:
+        if name.startswith("__"):
+            raise AttributeError(name)
+        if sys.modules.get(_PLOTS) is self:
+            del sys.modules[_PLOTS]
+        return getattr(importlib.import_module(_PLOTS), name)
+
+
 @cache
 def _colorimetry() -> Any:
+    if "colour" not in sys.modules:
+        sys.modules.setdefault(_PLOTS, _PlotsLater(_PLOTS))
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # it warns of parts that it lacks without SciPy; none of them is used here
             return importlib.import_module("colour.colorimetry")
     except ImportError as failed:
+        sys.modules.pop(_PLOTS, None)
         raise SpectraMissing from failed
 
 

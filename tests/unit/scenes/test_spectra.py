@@ -167,6 +167,16 @@ def test_colour_science_is_loaded_only_for_a_spectrum_and_without_a_word(strengt
     assert done.stderr == ""
 
 
+def test_the_plots_of_colour_science_are_loaded_when_they_are_used() -> None:
+    program = (
+        "import sys; from equilux_scenes.spectral_data import matching_functions; matching_functions(); "
+        "import colour; print('matplotlib' in sys.modules); colour.plotting.plot_single_sd; print('matplotlib' in sys.modules); "
+        "from colour.plotting import plot_single_sd; print(colour.plotting.__file__.endswith('__init__.py'))"
+    )
+    done = subprocess.run([sys.executable, "-W", "ignore", "-c", program], capture_output=True, text=True, timeout=120)
+    assert done.stdout.split() == ["False", "True", "True"], done.stderr
+
+
 def test_a_spectrum_without_colour_science_is_an_error_that_says_what_to_install(
     monkeypatch: pytest.MonkeyPatch, only_error: object
 ) -> None:
