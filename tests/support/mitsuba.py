@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import random
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -16,6 +18,7 @@ from equilux_adapters.mitsuba.knobs import MitsubaKnobs
 from equilux_scenes.case import Case
 from equilux_scenes.loader import corpus_folder, load_scene_text, load_scenes
 from equilux_tracer import Tracer
+from support.random_scenes import Spec, random_spec
 
 EXACT = Budget((Bound("rounding", "the truth's own, in double", abs=1e-12, rel=1e-12),))
 
@@ -81,3 +84,59 @@ def verdict_line(result: Run, pair: PairResult) -> str:
 
 def term_of(result: Run, name: str) -> Term:
     return next(term for term in result.budget.terms if term.name == name)
+
+
+def without_ambient(spec: Spec) -> Spec:
+    """A random spec of model `phong`, as one of the reflection equation."""
+    spec = {key: value for key, value in spec.items() if key != "ambient"} | {"model": "reflection-equation"}
+    for material in spec["materials"].values():
+        del material["ambient"]
+    return spec
+
+
+def random_emitters(seed: int, *, film: tuple[int, int] = (24, 18), **options: Any) -> Spec:
+    """Two to four random objects under one to three emitters, at times delta lights and an environment; every BRDF."""
+    spec = without_ambient(random_spec(seed, objects=(2, 4), film=film, exponents=(1.0, 200.0), **options))
+    rng = random.Random(f"emitters {seed}")
+    for material in spec["materials"].values():
+        material["brdf"] = rng.choice(["lambert", "phong-classic", "phong-cosine"])
+    if rng.random() < 0.5:
+        spec["lights"] = {}
+    for k in range(rng.randint(1, 3)):
+        spec["lights"][f"e{k}"] = _emitter(rng)
+    if rng.random() < 0.5:
+        spec["lights"]["sky"] = {"kind": "environment", "radiance": [rng.random() for _ in range(3)]}
+        spec.pop("background", None)
+    return spec
+
+
+def _emitter(rng: random.Random) -> Spec:
+    """Facing the origin, from outside of where objects are."""
+    side = np.array([rng.uniform(-1, 1) for _ in range(3)])
+    away = side / np.linalg.norm(side) * rng.uniform(1.2, 2.5)
+    u = np.cross(away, [rng.uniform(-1, 1) for _ in range(3)])
+    u /= np.linalg.norm(u)
+    v = np.cross(away, u) / np.linalg.norm(away)
+    size, radiance = rng.uniform(0.1, 0.6), [rng.uniform(0, 8) for _ in range(3)]
+    shape: Spec = rng.choice(
+        [
+            {"kind": "sphere", "center": away.tolist(), "radius": size},
+            {"kind": "disc", "center": away.tolist(), "radius": size, "normal": (-away).tolist()},
+            {"kind": "rectangle", "corner": away.tolist(), "edge_u": (-size * u).tolist(), "edge_v": (1.3 * size * v).tolist()},
+        ]
+    )
+    return shape | {"radiance": radiance}
+
+
+def standardised(result: Run, truth: np.ndarray) -> np.ndarray:
+    """(picture − truth) / σ where noise is what there is: where σ exceeds all bounds together fivefold; one per pixel.
+
+    Bands of a pixel share their samples, so that they are one observation.
+    """
+    sigma = np.asarray(term_of(result, "sampling").sigma)
+    bounds = Budget(tuple(term for term in result.budget.terms if isinstance(term, Bound)))
+    bound = stated(bounds, result.image).bound(truth)
+    band = np.argmax(sigma, axis=-1)[..., None]
+    error, scale = (np.take_along_axis(array, band, axis=-1)[..., 0] for array in (result.image - truth, sigma))
+    tight = scale > 5 * np.take_along_axis(bound, band, axis=-1)[..., 0]
+    return np.asarray(error[tight] / scale[tight])

@@ -32,9 +32,11 @@ DIRECTION_ROUNDINGS = 8
 """Of a cosine between directions: three differences, products and sums made unit (2 each for two vectors), in a rounded
 frame (2 more), and their sum of products (2)."""
 
-VALUE_ROUNDINGS = 32
-"""Of a sample's factors and of the mean: coefficient and π (4), radiance or intensity (2), attenuation (6), density and weight of
-both ways of sampling (12), the mean of up to 2^16 samples by halves (8)."""
+VALUE_ROUNDINGS = 14
+"""Of what one light brings: coefficient and π (4), radiance or intensity (2), attenuation (6), products (2)."""
+
+SAMPLE_ROUNDINGS = 20
+"""Of an estimate, on top: density and weight of both ways of sampling (12), the mean of up to 2^16 samples by halves (8)."""
 
 DENSITY_ROUNDINGS = 2
 """Of 1 − cos α: sin² α (1), the root (1/2), the difference (1/2)."""
@@ -111,8 +113,9 @@ def budget_of(facts: Mapping[str, Any], picture: Mapping[str, npt.NDArray[Any]],
     if facts["emitters"]:
         reason = f"{repeats} independent repeats of a stratified estimate by emitter and BSDF sampling (Q2, Q3)"
         terms.append(Sampled("sampling", reason, sigma=_known(picture["sigma"]), repeats=repeats))
+    roundings = VALUE_ROUNDINGS + SAMPLE_ROUNDINGS * bool(facts["emitters"]) + len(facts["delta_lights"])
     reason = "single precision: of factors (relative) and of the cosines of the directions in them (Q1)"
-    terms.append(Bound("arithmetic", reason, abs=_of_cosines(facts, seen), rel=VALUE_ROUNDINGS * U))
+    terms.append(Bound("arithmetic", reason, abs=_of_cosines(facts, seen), rel=roundings * U))
     if spheres := [light for light in facts["emitters"] if light["is_sphere"]]:
         reason = "directions to a small sphere are weighted by 1 − cos α in single precision (Q4)"
         densities = [_of_density(light, seen, picture["image"]) for light in spheres]

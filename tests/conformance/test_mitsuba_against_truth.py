@@ -1,0 +1,196 @@
+"""Mitsuba's radiance within its own noise and bounds of the truth; every term of the budget approached; the noise as stated."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+import pytest
+
+from equilux.budget import Budget, Sampled
+from equilux.uncertainty import stated
+from equilux_oracle import radiance as oracle_radiance
+from equilux_oracle import supports
+from equilux_scenes.case import Case
+from equilux_tracer import Tracer
+from support.mitsuba import (
+    Run,
+    against,
+    against_local,
+    case_of_text,
+    corpus_cases,
+    random_emitters,
+    run,
+    standardised,
+    term_of,
+    verdict_line,
+    without_ambient,
+)
+from support.random_scenes import case_of, random_spec
+
+CONTACT = """
+equilux: 1
+name: contact
+model: reflection-equation
+camera: {projection: perspective, eye: [0.4, 1.8, 4], target: [0.9994, 0, 1.002], up: [0, 1, 0], fov_y_deg: 0.1}
+film: {width: 40, height: 30}
+lights:
+  panel: {kind: rectangle, corner: [1, 2, -0.5], edge_u: [0.5, 0, 0], edge_v: [0, 0, 0.7], radiance: [10, 20, 30]}
+materials:
+  floor: {diffuse: 0.3, brdf: lambert}
+objects:
+  - {kind: plane, point: [0, 0, 0], normal: [0, 1, 0], material: floor}
+  - {kind: sphere, center: [0.5, 0.2, 0.3], radius: 0.2, material: floor}
+  - {kind: disc, center: [1, 0.005, 0.8], normal: [0, 1, 0], radius: 0.2, material: floor}
+"""
+"""A sheet five millimetres above the floor, its shadow's border from near: its penumbra is 2 mm wide, rays start 0.2 mm off."""
+
+
+@cache
+def corpus() -> dict[str, Case]:
+    return {case.name: case for family in ("reflection-equation", "photometry") for case in corpus_cases(family)}
+
+
+def truth_of(case: Case, tracer: Tracer) -> np.ndarray:
+    has_closed_form = not supports(case)  # `supports` names what has none
+    return np.asarray(oracle_radiance(case) if has_closed_form else tracer.render()["radiance"])
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "furnace[k_diff=0.3183098861837907]", "furnace-phong[brdf=#0,exponent=10]", "furnace-phong-sideways[brdf=#1]",
+        "disc-emitter", "rectangle-emitter", "sphere-emitter-over-plane", "emitter-at-the-horizon", "emitter-black-behind",
+        "emitters-seen", "coloured-emitters", "delta-lights-on-lambert", "sky-over-a-ball", "soft-shadow", "three-emitters",
+        "highlight-of-an-emitter[exponent=30]", "phong-classic-vs-cosine[brdf=#1]", "shrinking-emitter[lamp=#2]",
+    ],
+)  # fmt: skip
+def test_corpus_scene_agrees_with_the_truth_within_its_noise(name, tmp_path):
+    case = corpus()[name]
+    result, tracer = run(case, tmp_path, samples=16), Tracer(case)
+    pair = against(truth_of(case, tracer), result, tracer)
+    assert pair.json["verdict"] == "agree", verdict_line(result, pair)
+
+
+VIEWS = {"plain": {}, "orthographic": {"fov_deg": None}, "wide": {"fov_deg": (140.0, 140.0)}}
+
+
+@pytest.mark.parametrize("view", VIEWS)
+def test_random_scenes_under_delta_lights_agree_within_float32(view, tmp_path):
+    """One object that cannot be in its own light, so that the local reference is the truth."""
+    problems = []
+    for seed in range(20, 28 if view == "plain" else 24):
+        spec = random_spec(seed, objects=(1, 1), shapes=("sphere", "plane", "box", "disc", "rectangle"), **VIEWS[view])
+        result = run(case_of(without_ambient(spec)), tmp_path)
+        assert not any(isinstance(term, Sampled) for term in result.budget.terms)
+        pair = against_local(result)
+        if pair.json["verdict"] != "agree":
+            problems.append(verdict_line(result, pair))
+    assert not problems, "\n".join(problems)
+
+
+def test_random_scenes_under_emitters_agree_and_their_residuals_scatter_as_stated(tmp_path):
+    problems, residuals = [], []
+    for seed in range(40, 46):
+        case = case_of(random_emitters(seed, film=(36, 27), fov_deg=None if seed % 4 == 0 else (20.0, 90.0)))
+        result, tracer = run(case, tmp_path, samples=16), Tracer(case)
+        truth = tracer.render()["radiance"]
+        if not np.isfinite(truth).all():
+            continue
+        pair = against(truth, result, tracer)
+        residuals.append(standardised(result, truth))
+        if pair.json["verdict"] != "agree":
+            problems.append(verdict_line(result, pair))
+    assert not problems, "\n".join(problems)
+    found = np.concatenate(residuals)
+    # Student's t of 31 degrees: variance 31/29; stratified noise is not quite normal
+    assert len(found) > 800
+    assert 0.85 < found.var() * 29 / 31 < 1.2, f"variance {found.var()} of {len(found)} residuals, expected {31 / 29}"
+    assert abs(found.mean()) < 0.15, f"mean {found.mean()} of {len(found)} residuals, expected 0"
+
+
+def test_a_picture_is_neither_mirrored_nor_turned(tmp_path):
+    case = corpus()["three-emitters"]
+    result, truth = run(case, tmp_path, samples=9), truth_of(case, Tracer(case))
+    right = np.abs(result.image - truth).mean()
+    for name, wrong in {"flipped-x": truth[:, ::-1], "flipped-y": truth[::-1], "turned": truth[::-1, ::-1]}.items():
+        assert np.abs(result.image - wrong).mean() > 20 * right, f"{name}: as near as the picture itself, {right}"
+
+
+def test_twice_the_repeats_give_a_smaller_error_and_say_so(tmp_path):
+    case = corpus()["soft-shadow"]
+    few, many = run(case, tmp_path / "few", samples=4), run(case, tmp_path / "many", samples=4, repeats=128)
+    ratio = np.median(term_of(few, "sampling").sigma) / np.median(term_of(many, "sampling").sigma)
+    assert 1.8 < ratio < 2.2, f"σ falls by {ratio}, expected 2"
+
+
+MESHES = """
+equilux: 1
+name: mesh-{normals}
+model: reflection-equation
+camera: {{projection: perspective, eye: [1, 2, 3], target: [0, 0, 0], up: [0, 1, 0], fov_y_deg: 40}}
+film: {{width: 40, height: 30}}
+lights:
+  panel: {{kind: rectangle, corner: [-1, 3, -1], edge_u: [2, 0, 0], edge_v: [0, 0, 2], radiance: [3, 2, 1]}}
+  key: {{kind: point, position: [2, 1, 2], intensity: 3}}
+materials:
+  clay: {{diffuse: 0.2, specular: 0.3, exponent: 12}}
+objects:
+  - kind: mesh
+    vertices: [[-1, 0, -1], [1, 0, -1], [1, 0, 1], [-1, 0, 1], [0, 0.4, 0]]
+    faces: [[0, 4, 1], [1, 4, 2], [2, 4, 3], [3, 4, 0]]
+    normals: {normals}
+    material: clay
+    transform: [{{scale: [1, 1.2, 0.8]}}, {{rotate: {{axis: [0, 1, 0], degrees: 25}}}}]
+"""
+
+
+@pytest.mark.parametrize("normals", ["flat", "smooth"])
+def test_meshes_are_shaded_flat_and_smooth(normals, tmp_path):
+    case = case_of_text(MESHES.format(normals=normals))
+    result, tracer = run(case, tmp_path, samples=16), Tracer(case)
+    pair = against(tracer.render()["radiance"], result, tracer)
+    assert pair.json["verdict"] == "agree", verdict_line(result, pair)
+
+
+# --- the budget is not loose ------------------------------------------------------------------------------------------
+
+
+def approached(result: Run, name: str, truth: np.ndarray) -> float:
+    """The largest share of what a term alone allows that the picture's error uses up, where the term allows anything."""
+    allowed = stated(Budget((term_of(result, name),)), result.image).bound(result.image)
+    error = np.abs(result.image - truth)
+    return float(np.max(error / np.maximum(allowed, 1e-300), where=allowed > 0, initial=0.0))
+
+
+def test_the_arithmetic_term_is_approached(tmp_path):
+    shares = []
+    for seed in (3, 9, 11, 12):
+        shapes = ("sphere", "box", "rectangle")
+        spec = random_spec(seed, objects=(1, 1), shapes=shapes, exponents=(1.0, 8.0), lights=(1, 1), film=(40, 30))
+        result = run(case_of(without_ambient(spec)), tmp_path)
+        pair = against_local(result)
+        assert pair.json["verdict"] == "agree", verdict_line(result, pair)
+        shares.append(float(pair.json["en_max"]))
+    assert 0.1 < max(shares) <= 1, f"largest E_n {shares}, expected above 0.1 somewhere"
+
+
+def test_the_density_term_is_approached_by_a_small_sphere(tmp_path):
+    case = corpus()["shrinking-emitter[lamp=#2]"]
+    result = run(case, tmp_path, samples=16)
+    share = approached(result, "density", truth_of(case, Tracer(case)))
+    assert share > 0.1, f"the picture's error is {share} of what the term allows, expected above 0.1"
+
+
+def test_the_ray_offset_term_is_approached_where_a_sheet_is_near_the_floor(tmp_path):
+    case = case_of_text(CONTACT)
+    result, tracer = run(case, tmp_path), Tracer(case)
+    truth = tracer.render()["radiance"]
+    pair = against(truth, result, tracer)
+    assert pair.json["verdict"] == "agree", verdict_line(result, pair)
+    noise = 6 * np.asarray(term_of(result, "sampling").sigma)
+    term = np.asarray(term_of(result, "ray offset").abs)
+    beyond = np.abs(result.image - truth) - noise
+    share = float(np.max(beyond / np.maximum(term, 1e-300), where=(term > 0) & (beyond > 0), initial=0.0))
+    assert share > 0.1, f"beyond noise, the error is {share} of what the term allows, expected above 0.1"
+    assert np.median(term) == 0, "where nothing is near, the term must vanish"
