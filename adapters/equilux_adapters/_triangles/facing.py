@@ -15,9 +15,8 @@ Array = Any
 def towards_eye(view: View, mesh: Mesh) -> Mesh:
     """Turn every triangle's front, and its normals, to the eye; leave out what the mesh itself is sure to hide.
 
-    VTK lights the side that a triangle turns to the film after its corners were moved to the grid, which turns slivers over.
-    Triangles that all show their front can be drawn with back faces culled: what is turned over goes, and its neighbours cover
-    the place.
+    A rasteriser decides which side is seen after corners were moved to its grid, which turns slivers over. Triangles that all
+    show their front can be drawn with back faces culled: what is turned over goes, and its neighbours cover the place.
     """
     front = faces_eye(view, mesh)
     if mesh.closed and not starts_inside(view, mesh):

@@ -89,9 +89,9 @@ def place(
 ) -> Mesh:
     """Object space → relative to the eye, in double, so that a scene far from the origin keeps its digits in float32 later.
 
-    Normals go by the inverse transpose and are *not* made unit again: VTK interpolates them linearly and normalises per pixel,
-    so interpolating before and after the transform is the same. A mirroring matrix turns the winding, which must agree with the
-    normals.
+    Normals go by the inverse transpose and are *not* made unit again: what interpolates them does so linearly and normalises
+    afterwards, so interpolating before and after the transform is the same. A mirroring matrix turns the winding, which must
+    agree with the normals.
     """
     if matrix is None:
         return Mesh(points - view.eye, normals, triangles, closed, flat)

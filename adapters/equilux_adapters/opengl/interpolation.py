@@ -111,7 +111,7 @@ def _candidates(film: Floats, view: View) -> tuple[npt.NDArray[np.int64], npt.ND
 def departure(
     view: View, mesh: Mesh, surface: Surface, true: Mapping[str, Any] | None, pairs: Shown, lighting: Lighting
 ) -> Floats:
-    """(n, 3) per pair."""
+    """(n, 3) per pair; 0 where it is not finite (a corner in the place of a light): nothing is stated there."""
     if len(pairs.triangle) == 0:
         return np.zeros((0, 3))
     corners = mesh.triangles[pairs.triangle]
@@ -130,7 +130,7 @@ def departure(
     slope /= np.abs(np.einsum("nk,nkd->nd", pairs.shares, nearness))
     smeared: Floats = np.abs(interpolated - lit(points, normals, surface, lighting).radiance)
     smeared += np.einsum("nk,nkd->nd", np.abs(pairs.weights), doubt) + rounding_px(view) * slope
-    return smeared
+    return np.where(np.isfinite(smeared), smeared, 0.0)
 
 
 def _slope(values: Floats, pairs: Shown) -> Floats:

@@ -131,3 +131,12 @@ def test_the_bound_falls_with_the_square_of_the_triangles():
         mesh = divided(VIEW, in_frame(VIEW, whole), triangle_px, 0.0)
         largest.append(interpolation_bound(VIEW, [(mesh, surface, None)], lighting).max())
     assert largest[0] > 2.5 * largest[1] > 2.5**2 * largest[2], f"bounds {largest}"
+
+
+def test_where_a_corner_is_in_the_place_of_a_light_nothing_is_stated():
+    light, surface = Light(diffuse=(1, 1, 1), position=(0, 0, -2), attenuation=(0, 0, 1)), Surface(diffuse=(0.5,) * 3)
+    view = View(**look_at((0, 0, 2), (0, 0, 0), (0, 1, 0)), half_height=0.5, width=33, height=33)
+    corners = np.array([[0.0, 0, -2], [1, 0, -2], [0, 1, -2], [-1, -1, -2]])
+    mesh = Mesh(corners, np.tile([0.0, 0, 1], (4, 1)), np.array([[0, 1, 2], [0, 2, 3], [0, 3, 1]]))
+    bound = interpolation_bound(view, [(mesh, surface, None)], Lighting([light], np.zeros(3), None))
+    assert np.isfinite(bound).all(), f"{(~np.isfinite(bound)).sum()} not finite"
