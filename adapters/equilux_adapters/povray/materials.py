@@ -50,11 +50,10 @@ class Coefficients:
 def coefficients(material: Material, scene: Scene) -> Coefficients:
     """The terms of `material` in `scene`."""
     shown = tuple(k if light else 0.0 for k, light in zip(material.ambient, scene.ambient, strict=True))
-    specular = BLACK if material.brdf == "lambert" else material.specular
     t = material.transparency
     return Coefficients(
         diffuse=material.diffuse,
-        specular=_weighted(1.0 - t, specular),
+        specular=_weighted(1.0 - t, material.specular),
         exponent=material.exponent,
         ambient=shown,
         emission=material.emission,

@@ -146,8 +146,3 @@ def test_an_opengl_highlight_is_by_the_half_vector():
     material = {"specular": [0.5, 0.5, 0.5], "exponent": 8.0}
     assert "specular 0.5 roughness 0.125" in texture(terms_of(material, "opengl")).text
     assert "phong 0.5 phong_size 8" in texture(terms_of(material)).text
-
-
-def test_a_lambert_surface_has_no_highlight():
-    material = {"diffuse": [0.5, 0.5, 0.5], "specular": [0.5, 0.5, 0.5], "brdf": "lambert"}
-    assert "phong" not in texture(terms_of(material, "reflection-equation")).text
