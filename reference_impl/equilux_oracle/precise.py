@@ -90,8 +90,8 @@ def evaluate_at(case: Case, x: float, y: float) -> Evaluation:
 def _ray(camera: PerspectiveCamera | OrthographicCamera, film: Film, x: mpf, y: mpf) -> tuple[Vector, Vector]:
     eye, target, up = exact(camera.eye), exact(camera.target), exact(camera.up)
     forward = unit(minus(target, eye))
-    right = unit(_cross(forward, up))
-    above = _cross(right, forward)
+    right = unit(cross(forward, up))
+    above = cross(right, forward)
     perspective = isinstance(camera, PerspectiveCamera)
     half = mp.tan(mp.radians(mpf(camera.fov_y_deg)) / 2) if isinstance(camera, PerspectiveCamera) else mpf(camera.height_m) / 2
     a = (2 * x / film.width - 1) * mpf(film.width) / film.height * half
@@ -176,7 +176,7 @@ def _rectangle(corner: Vector, u: Vector, v: Vector, o: Vector, d: Vector) -> Cr
         q = minus(p, corner)
         return bool(0 <= dot(q, u) / dot(u, u) <= 1 and 0 <= dot(q, v) / dot(v, v) <= 1)
 
-    yield from _flat(corner, _cross(u, v), o, d, inside)
+    yield from _flat(corner, cross(u, v), o, d, inside)
 
 
 def _box(low: Vector, high: Vector, o: Vector, d: Vector) -> Crossings:
@@ -286,7 +286,7 @@ def dot(a: Vector, b: Vector) -> mpf:
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
-def _cross(a: Vector, b: Vector) -> Vector:
+def cross(a: Vector, b: Vector) -> Vector:
     return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
 
 

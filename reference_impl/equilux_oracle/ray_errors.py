@@ -12,9 +12,10 @@ At a surface met at distance t under the cosine c = N·V, with curvature κ,
     point    = (lateral' + ω S) / c            ω S: rounding of the crossing itself, S the size of the numbers involved
     normal   = κ point + ω
 
-and onward, mirrored: angle + 4 normal, lateral' + ω S / c; refracted with the relative index η to the cosine q:
-(1 + η)(1 + 1/q)(angle + 2 normal) + ω/q, and lateral' max(1, q/c) + ω S / c. All first order, ω = 2^-96, which is more than
-what a hundred operations of 2^-104 each amount to; `stretch`, the condition of an object's placement, multiplies it.
+and onward, mirrored: angle + 2 normal, lateral' + ω S / c; refracted with the relative index η to the cosine q:
+A angle + (1 + A) normal + ω/q with A = η max(1, c/q), since a turn in the plane of incidence is magnified by η c/q and one
+across it by η; and lateral' max(1, q/c) + ω S / c. All first order, ω = 2^-96, which is more than what a hundred operations of
+2^-104 each amount to; `stretch`, the condition of an object's placement, multiplies it.
 
 Decisions (which object, lit or not, totally reflected or not) are taken on these numbers; a film position whose decision their
 error could turn lies within that error of an edge, and is outside of what a bound of rounding says.
@@ -61,12 +62,13 @@ class SurfaceError:
     viewer: Array
 
     def mirrored(self) -> RayError:
-        return RayError(self.lateral + self.rounding, _capped(self.viewer + 4.0 * self.normal + GEOMETRY))
+        return RayError(self.lateral + self.rounding, _capped(self.viewer + 2.0 * self.normal + GEOMETRY))
 
     def refracted(self, facing: Array, eta: Array, cosine: Array) -> RayError:
         """facing: N·V; eta: n_front / n_behind; cosine: of the refracted ray with −N."""
         with np.errstate(divide="ignore"):
-            angle = bending(eta, cosine) * (self.viewer + 2.0 * self.normal) + GEOMETRY / cosine
+            bent = bending(eta, facing, cosine)
+            angle = bent * self.viewer + (1.0 + bent) * self.normal + GEOMETRY / cosine
             return RayError(self.lateral * np.maximum(1.0, cosine / facing) + self.rounding, _capped(angle))
 
 
@@ -79,17 +81,17 @@ def at_surface(error: RayError, t: Array, facing: Array, size: Array, curvature:
     return SurfaceError(lateral, rounding, point, _capped(curvature * point + GEOMETRY * stretch), error.angle)
 
 
-def bending(eta: Array, cosine: Array) -> Array:
-    """How much refraction to the cosine q magnifies an angle, and a turn of the normal, at most: from sin θ' = η sin θ."""
+def bending(eta: Array, facing: Array, cosine: Array) -> Array:
+    """How much refraction from the cosine c to q magnifies a turn of the ray, at most: A = η max(1, c/q)."""
     with np.errstate(divide="ignore"):
-        result: Array = (1.0 + eta) * (1.0 + 1.0 / cosine)
+        result: Array = eta * np.maximum(1.0, facing / cosine)
     return result
 
 
 def felt(here: Surface, light: Arriving, lit: Index, power: Array, off: SurfaceError, magnified: Array | float) -> Array:
     """What the errors of point, normal and viewer do to one light's diffuse term and highlight at the points `lit`, (3, k).
 
-    magnified: how much more the highlight's own direction feels them (refraction). Below p = 1 the slope of c^p is taken at c/2;
+    magnified: A of the refracted light's direction, 1 of the mirrored one's. Below p = 1 the slope of c^p is taken at c/2;
     where the power is 0 there is no highlight to be off.
     """
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -100,7 +102,7 @@ def felt(here: Surface, light: Arriving, lit: Index, power: Array, off: SurfaceE
     cosine = np.where(soft, power, 1.0) ** (1.0 / np.where(soft, p, 1.0))
     slope = np.where(soft, p * (np.maximum(cosine, 1e-300) / 2.0) ** (p - 1.0), sensitivity(p))
     strength = (2.0 + light.feels[lit]) * to_light
-    turned = magnified * (4.0 * off.normal[lit] + to_light + off.viewer[lit])
+    turned = magnified * to_light + (1.0 + magnified) * off.normal[lit] + off.viewer[lit]
     of_diffuse = here.diffuse[:, lit] * (strength + off.normal[lit] + to_light)
     return light.value[:, lit] * (of_diffuse + here.specular[:, lit] * (strength + slope * turned))
 

@@ -68,29 +68,30 @@ def examine_raytraced(case: Case, positions: Array, allowance: Allowance | None 
 
 
 def _examine_slice(world: World, positions: Array, left: Allowance) -> tuple[Array, Array, Array, Array, Indices]:
-    sums, first = Sums.black(len(positions)), _from_eye(world, positions)
+    sums, first = Sums.black(len(positions)), from_eye(world, positions)
     left.spend(len(first))
-    seen, children = _meet(world, first, sums, generation=0)
+    seen, children = meet(world, first, sums, generation=0)
     facing = np.where(seen.object_id >= 0, dot(seen.normal, seen.to_viewer).hi, 1.0)
     # The deepest rays first, and not too many at once: so that memory stays bounded however the rays multiply.
     waiting = [(1, together(children))] if children else []
     while waiting:
         generation, wave = waiting.pop()
         left.spend(len(wave))
-        children = [child for part in wave.parts(SLICE) for child in _meet(world, part, sums, generation)[1]]
+        children = [child for part in wave.parts(SLICE) for child in meet(world, part, sums, generation)[1]]
         if children:
             waiting += [(generation + 1, part) for part in together(children).parts(_AT_ONCE)]
     return *sums.finish(), facing, seen.object_id
 
 
-def _from_eye(world: World, positions: Array) -> Wave:
+def from_eye(world: World, positions: Array) -> Wave:
+    """The camera's rays through film positions (n, 2)."""
     rays, count = film_rays(world.scene.camera, world.scene.film, positions), len(positions)
     rays = Rays(each_ray(rays.offset, count), each_ray(unit(rays.direction), count), count)
     coordinates = world.eye_distance + _length(rays.offset)
     return Wave(np.arange(count), rays, np.ones((3, count)), np.zeros(count), RayError.of_camera(coordinates))
 
 
-def _meet(world: World, wave: Wave, sums: Sums, generation: int) -> tuple[Visible, list[Wave]]:
+def meet(world: World, wave: Wave, sums: Sums, generation: int) -> tuple[Visible, list[Wave]]:
     """Add what the rays see to the sums; return it, and the rays that go on from there."""
     coordinates = world.eye_distance + (_length(wave.rays.offset) if generation else 0.0)
     seen = first_seen(world.objects, wave.rays, coordinates, TIE * coordinates if generation else 0.0)
@@ -102,7 +103,7 @@ def _meet(world: World, wave: Wave, sums: Sums, generation: int) -> tuple[Visibl
     if len(hit) == 0:
         return seen, []
     arriving_wave = wave[hit]
-    met = _met(world, seen, hit, arriving_wave)
+    met = _met_by(world, seen, hit, arriving_wave)
     sums.add(arriving_wave, *_shade(world, met))
     last = generation >= world.scene.recursion_limit
     return seen, [] if last else list(_onward(world, met, arriving_wave))
@@ -122,7 +123,7 @@ class Met:
     off: SurfaceError
 
 
-def _met(world: World, seen: Visible, hit: Index, wave: Wave) -> Met:
+def _met_by(world: World, seen: Visible, hit: Index, wave: Wave) -> Met:
     object_id, outside = seen.object_id[hit], seen.outside[hit]
     normal, to_viewer = seen.normal[:, hit], seen.to_viewer[:, hit]
     ior, facing = world.ior[object_id], dot(normal, to_viewer)
@@ -185,12 +186,12 @@ def _shadowed(world: World, met: Met, light: Arriving, where_asked: Indices, *, 
 
 
 def _bent(met: Met, light: Arriving, lit: Index, eta: DD) -> Array:
-    """How much the refraction of the lights' rays magnifies errors of direction, at the points `lit`."""
+    """How much the refraction of the lights' rays magnifies errors of direction, at the points `lit`; 0 where none passes."""
     w = light.to_light.hi[:, lit]
     cosine2 = np.sum(met.normal.hi[:, lit] * w, axis=0) ** 2 / np.sum(w**2, axis=0)
     ratio = eta.hi[lit]
     out2 = 1.0 - ratio**2 * (1.0 - cosine2)
-    return np.where(out2 > 0.0, bending(ratio, np.sqrt(np.maximum(out2, 1e-24))), 0.0)
+    return np.where(out2 > 0.0, bending(ratio, np.sqrt(cosine2), np.sqrt(np.maximum(out2, 1e-24))), 0.0)
 
 
 def _onward(world: World, met: Met, wave: Wave) -> Iterator[Wave]:

@@ -13,6 +13,7 @@ from equilux_oracle import transport_forms as forms
 from equilux_oracle.precise import evaluate_at
 from equilux_scenes.loader import corpus_folder, load_scene_file
 from equilux_scenes.model import Plane, Sphere
+from support.plain_phong import film_positions_of
 from support.random_scenes import case_of
 
 EVERY = 23
@@ -281,8 +282,21 @@ def test_under_water_the_sky_is_seen_within_the_critical_angle_only():
 
     compare(case, formula, 830)
     assert min(seen.values()) > 150, f"pixels: {seen}"
-    radius_px = case.scene.film.height / 2 * math.tan(float(limit)) / math.tan(math.radians(case.scene.camera.fov_y_deg / 2))
-    assert radius_px > 10, "the window must be seen"
+
+
+def test_the_window_under_water_ends_at_the_critical_angle():
+    (case,) = cases_of("critical-angle")
+    water, bottom = case.scene.materials["water"], case.scene.materials["bottom"]
+    limit = float(forms.critical_angle(mpf(water.ior)))
+    reflected = np.add(water.emission, bottom.emission)
+    for azimuth in np.linspace(0, 2 * math.pi, 12, endpoint=False):
+        for beyond in (-1e-9, 1e-9):
+            angle = limit + beyond
+            way = [math.sin(angle) * math.cos(azimuth), math.cos(angle), math.sin(angle) * math.sin(azimuth)]
+            position = film_positions_of(case, np.add(case.scene.camera.eye, way)[np.newaxis])
+            shown = equilux_oracle.evaluate(case, position)[0]
+            total = bool(np.allclose(shown, reflected, rtol=1e-14))
+            assert total == (beyond > 0), f"{beyond:+g} rad beyond the critical angle, azimuth {azimuth:.2f}: {shown.tolist()}"
 
 
 @pytest.mark.parametrize("ior", [0.5, 1, 1.5, 3])
