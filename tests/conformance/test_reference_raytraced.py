@@ -16,7 +16,7 @@ from equilux_scenes.mesh import TriangleMesh
 from equilux_tracer import Tracer
 from support import plain_raytraced
 from support.edges import on_edge
-from support.random_raytraced import random_raytraced
+from support.random_raytraced import moved, random_raytraced
 from support.random_scenes import case_of
 
 ALLOWED_ABS = ALLOWED_REL = 1e-8
@@ -128,6 +128,7 @@ ROUNDING_GROUPS = {
     "near the origin": {},
     "six bounces": {"recursion": (6, 6), "objects": (6, 8)},
     "sharp highlights": {"exponents": (300.0, 1000.0)},
+    "a million metres from the origin": {"offset": (1e6, -1e6, 1e6)},
 }
 
 
@@ -136,7 +137,9 @@ def test_stated_rounding_holds_against_the_oracle_and_is_not_idle(group):
     """|tracer − oracle| stays below both bounds on every pixel, edges too, and gets within a factor of ten of the tracer's."""
     reached = 0.0
     for seed in range(3000, 3006):
-        case = case_of(random_raytraced(seed, film=(24, 18), **ROUNDING_GROUPS[group]))
+        arguments = dict(ROUNDING_GROUPS[group])
+        offset = arguments.pop("offset", (0, 0, 0))
+        case = case_of(moved(random_raytraced(seed, film=(24, 18), **arguments), offset))
         assert not equilux_oracle.supports(case)
         true, bound = equilux_oracle.radiance_with_bound(case)
         got = Tracer(case).render(["radiance", "rounding"])

@@ -6,6 +6,7 @@ Objects keep to cells of their own, so that transparent ones never overlap.
 
 from __future__ import annotations
 
+import copy
 import math
 import random
 from collections.abc import Sequence
@@ -83,6 +84,26 @@ def _camera(rng: random.Random, projection: str) -> Spec:
     view = {"projection": projection, "eye": eye, "target": [rng.uniform(-0.2, 0.2) for _ in range(3)]}
     size = {"fov_y_deg": rng.uniform(30, 55)} if projection == "perspective" else {"height_m": rng.uniform(1.2, 2.4)}
     return {**view, **size}
+
+
+def moved(spec: Spec, offset: Sequence[float]) -> Spec:
+    """The whole scene somewhere else; offset in metres."""
+
+    def there(point: Sequence[float]) -> list[float]:
+        return [p + o for p, o in zip(point, offset, strict=True)]
+
+    spec = copy.deepcopy(spec)
+    spec["camera"] |= {key: there(spec["camera"][key]) for key in ("eye", "target")}
+    for light in spec["lights"].values():
+        if "position" in light:
+            light["position"] = there(light["position"])
+    for thing in spec["objects"]:
+        if "transform" in thing:
+            thing["transform"].append({"translate": list(offset)})
+        else:
+            key = "point" if thing["kind"] == "plane" else "center"
+            thing[key] = there(thing[key])
+    return spec
 
 
 def _between(rng: random.Random, low: float, high: float) -> list[float]:
