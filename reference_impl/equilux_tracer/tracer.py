@@ -86,8 +86,12 @@ class Tracer:
             Σ over t₁, t₂ of max± |L(N ± δN t) − L(N)|  +  Σ over t₁, t₂, N of max± |L(P ± δP u) − L(P)|
 
         Steps have full size; N is made unit again; V follows P in perspective. The path signature is held: the gate of each
-        highlight and each cone stay as they are. The diffuse term has no jump and follows max(0, N·L). A miss gives 0. Raises
-        TracerError for a bound that is negative or not finite, Cancelled.
+        highlight and each cone stay as they are. The diffuse term has no jump and follows max(0, N·L). A miss gives 0.
+
+        Model raytraced: this sum for every hit of every path, L what leaves the hit, times the path's weight; at each step the
+        secondary rays are followed anew (reference_impl/src/sensitivity.h). It takes as long as some dozens of pictures.
+
+        Raises TracerError for a bound that is negative or not finite, Cancelled.
         """
         objects = len(self.case.scene.objects)
         positions = None if film_xy is None else _positions(film_xy)

@@ -9,7 +9,7 @@ namespace {
 
 using Everything = PathFeatures<true, true, true, true, false>;
 
-constexpr double step_shares[] = {1.0, 1.0 / 4, 1.0 / 16, 1.0 / 64};
+constexpr double step_shares[] = {1.0, 1.0 / 8, 1.0 / 64, 1.0 / 512, 1.0 / 4096};
 
 Bands operator-(const Bands& a, const Bands& b) { return {a.r - b.r, a.g - b.g, a.b - b.b}; }
 Bands magnitude(const Bands& a) { return {std::fabs(a.r), std::fabs(a.g), std::fabs(a.b)}; }
