@@ -17,6 +17,9 @@ from equilux_scenes.model import Material, Scene
 CROSSINGS = 1e7
 """Of rays with objects, towards lights included, that one picture may cost: ten to twenty seconds of one core."""
 
+_EACH = 8
+"""Rays per film position that are always allowed."""
+
 _SAMPLES = (12, 9)
 _SHARE = 64
 """Of the film's positions, one in so many is followed to count its rays, in a grid of at most 12 × 9."""
@@ -64,8 +67,9 @@ def examine_within_reason(case: Case, positions: Array) -> Examination:
 
 
 def rays_allowed(scene: Scene) -> float:
-    """How many rays a picture may have, after the cost of each."""
-    return CROSSINGS / (len(scene.objects) * (1 + len(scene.delta_lights)))
+    """How many rays a picture may have, after the cost of each; a large film is no reason to refuse."""
+    by_cost = CROSSINGS / (len(scene.objects) * (1 + len(scene.delta_lights)))
+    return max(by_cost, float(_EACH * scene.film.width * scene.film.height))
 
 
 def _reason(scene: Scene, allowed: float) -> str:

@@ -14,9 +14,11 @@ import equilux_oracle
 from equilux.adapter import Adapter, Limits, Unsupported
 from equilux.budget import Bound
 from equilux_adapters.oracle import ADAPTER
+from equilux_adapters.oracle.read import REASONS
 from equilux_oracle.precise import evaluate_at
 from equilux_scenes.features import FEATURES
 from equilux_scenes.loader import load_scene_text
+from support.random_raytraced import random_raytraced
 from support.random_scenes import case_of, random_spec
 
 TRIANGLE = """
@@ -109,3 +111,33 @@ def test_the_budget_holds_and_is_somewhere_approached_within_a_factor_of_ten(tmp
                 assert error <= allowed, f"{case.name} at ({column}, {row}): off by {error}, stated {allowed}"
                 worst = max(worst, error / allowed if allowed else 0.0)
     assert worst >= 0.1, f"the budget is never approached: worst error is {worst} of it"
+
+
+@pytest.mark.parametrize("model", ["opengl", "raytraced"])
+def test_the_other_models_are_delivered_whole_with_a_reason_of_their_own(model, tmp_path):
+    spec = random_raytraced(2, film=(12, 9)) if model == "raytraced" else {**random_spec(2, exponents=(1, 50)), "model": model}
+    case = case_of({**spec, "viewer": "infinite"} if model == "opengl" else {**spec, "transparent_shadows": "ignore"})
+    reading = deliver(case, tmp_path)
+    picture, bound = equilux_oracle.radiance_with_bound(case)
+    assert np.array_equal(reading.image, picture), "the program does not say all of the scene"
+    (term,) = reading.budget.terms
+    assert np.array_equal(np.asarray(term.abs), bound)
+    assert term.reason == REASONS[model]
+
+
+def test_too_deep_a_recursion_is_refused_with_the_reason():
+    hall = {"kind": "sphere", "center": [0, 0, 0], "radius": 9, "material": "glass"}
+    spec = random_raytraced(1, plane=False, film=(64, 48))
+    glass = {"reflection": 0.9, "transmission": 0.9, "transparency": 0.5}
+    case = case_of(
+        {
+            **spec,
+            "materials": dict.fromkeys([*spec["materials"], "glass"], glass),
+            "objects": [*spec["objects"], hall],
+            "recursion_limit": 50,
+        }
+    )
+    with pytest.raises(Unsupported) as refusal:
+        ADAPTER.translate(case, ADAPTER.Knobs())
+    assert refusal.value.missing_features == ["reflection", "transparency"]
+    assert "recursion_limit 50 asks for more than" in str(refusal.value)
