@@ -4,8 +4,8 @@
 //     f_i = 1 if N·L_i > 0 else 0;   H_i = unit(L_i + V)
 //
 // a_i, d_i, s_i are the light's strength times its ambient, diffuse and specular shares. N is on the side that is seen, V is GL's: to the
-// eye point in every projection (viewer local), or minus the view direction (viewer infinite). As for phong, the highlight is 0 where
-// N·H ≤ 0, for every s.
+// eye point in every projection (viewer local), or minus the view direction (viewer infinite). max(0, N·H)^0 is 1, as in the API's own
+// arithmetic: unlike phong's, a highlight of exponent 0 is there wherever f_i is 1.
 //
 // Where the digits go, as far as that differs from phong.h (u = 2^-53): a product more for the shares, so that the diffuse term loses
 // 21 u, and the ambient one 8 u for E and 2 u for products. |δL| ≤ 5 u, |δV| ≤ u; the sum L + V adds 2 u, its normalisation divides by
@@ -40,6 +40,7 @@ inline Vec3d half_vector(const Arriving& arriving, const Vec3dd& to_viewer) {
 // max(0, N·H)^s
 inline double half_vector_highlight(const SurfacePoint& point, const Vec3d& normal, const Arriving& arriving, const Vec3dd& to_viewer,
                                     double exponent) {
+  if (exponent == 0) return 1;
   const Vec3d halfway = half_vector(arriving, to_viewer);
   if (!(largest(halfway) > 0)) return 0;
   return power_of_cosine(normal, halfway, exponent,

@@ -44,7 +44,8 @@ Bands from_light(const Held& at, std::size_t k, const Vec3d& position, const Vec
   if (at.in_front[k] && at.material->specular.any()) {
     const double lobe = at.half_vector ? dot(normal, unit_or_zero(to_light + to_viewer))
                                        : 2 * cosine * dot(normal, to_viewer) - dot(to_light, to_viewer);
-    reflected = reflected + at.material->specular * given.specular * power(lobe, at.material->exponent);
+    const bool even = at.half_vector && at.material->exponent == 0;  // opengl.h
+    reflected = reflected + at.material->specular * given.specular * (even ? 1 : power(lobe, at.material->exponent));
   }
   return given.strength * reflected * share;
 }

@@ -77,6 +77,17 @@ def test_shares_of_a_light_multiply_their_terms_and_no_other(make_case):
         close(float(found["specular"][0, band]), irradiance * shares["specular"][band] * 0.125)
 
 
+def test_a_highlight_of_exponent_zero_is_there_wherever_the_light_is_in_front(make_case):
+    # the infinite viewer is below the floor, where N·H < 0: max(0, N·H)^0 = 1
+    camera = {"projection": "perspective", "eye": [0, 0, 1], "target": [4, 0, 2], "up": [0, 0, 1], "fov_y_deg": 150}
+    grazing = {"kind": "directional", "direction": [1, 0, -0.01], "irradiance": 2.0}
+    view = {"model": "opengl", "viewer": "infinite", "camera": camera, "film": {"width": 1, "height": 4}}
+    for exponent, expected in ((0, 0.5), (1, 0.0)):
+        case = make_case(FLOOR, lights=[grazing], material={"specular": 0.25, "exponent": exponent}, **view)
+        got = Tracer(case).render()["radiance"][3, 0, 0]
+        assert got == expected, f"got {got}, expected {expected} with exponent {exponent}"
+
+
 def test_both_faces_are_lit_alike(make_case):
     setting = {"lights": [LAMP], "material": {"diffuse": 0.5, "specular": 0.5, "exponent": 5}}
     above, turned = look(make_case, FLOOR, **setting), look(make_case, {**FLOOR, "normal": [0, 0, -1]}, **setting)
