@@ -49,7 +49,7 @@ def mirrored(normal: DD, to_light: DD, to_viewer: DD, exponent: Array) -> Highli
 
 
 def halfway(normal: DD, to_light: DD, to_viewer: DD, exponent: Array) -> Highlight:
-    """max(0, N·H)^s with H = unit(L + V); 1 for s = 0."""
+    """max(0, N·H)^s with H = unit(L + V); 1 for s = 0 (Q9 of the oracle adapter's QUIRKS.md)."""
 
     def at(chosen: Index) -> Array:
         n, p = normal[:, chosen], exponent[chosen]

@@ -21,7 +21,7 @@ TIE = 2.0**-50
 """Crossings nearer to each other than this share of the distance and of the eye's coordinates are one crossing. Surfaces that a
 spec makes coincide do so only up to the rounding of the numbers that describe them, and which of them is seen must not depend on
 that rounding (Q2 of the oracle adapter's QUIRKS.md). In the same way a crossing that near to the start of a ray that leaves a
-surface is the start itself."""
+surface is the start itself (Q8)."""
 
 
 @dataclass(frozen=True)
