@@ -49,7 +49,7 @@ ROWS: dict[str, Row] = {
     "constancy-of-radiance": Row("Constancy of radiance along a ray", "L₁ = L₂", ("CONVENTIONS.md",)),
     "brdf": Row(
         "BRDF", "f_r = dL_r / (L_i cosθ_i dω_i), 1/sr; furnace: ρ = π K_diff", (_BRDF, _FORMS),
-        ("model.reflection-equation", "material.diffuse"),
+        ("model.reflection-equation", "material.diffuse|material.specular"),
     ),
     "reflection-equation": Row(
         "Reflection equation", "L_r = ∫ f_r L_i cosθ_i dω_i over the hemisphere, visibility included", (_AREA, _FORMS),
