@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import os
+import runpy
 import subprocess
 import sys
 from pathlib import Path
@@ -109,6 +110,25 @@ def test_reflectances_above_one_are_an_error_unless_unbounded():
 
 
 # --- what Mitsuba has otherwise ---------------------------------------------------------------------------------------
+
+
+GLOWING = """
+equilux: 1
+name: glowing
+model: reflection-equation
+camera: {projection: perspective, eye: [0, 1, 3], target: [0, 0, 0], fov_y_deg: 60}
+film: {width: 16, height: 12}
+background: [0, 4, 0]
+materials: {lamp: {diffuse: 0.2, emission: [9, 0, 0]}, floor: {diffuse: 0.3}}
+objects:
+  - {kind: disc, center: [0, -0.5, 0], normal: [0, 1, 0], radius: 1, material: floor}
+  - {kind: sphere, center: [0.1, 0, 0], radius: 0.3, material: lamp}
+"""
+
+
+def test_q5_what_glows_and_the_background_are_seen_and_light_nothing(tmp_path: Path):
+    shown = run(case_of_text(GLOWING), tmp_path).image
+    assert {tuple(pixel) for pixel in shown.reshape(-1, 3).tolist()} == {(9, 0, 0), (0, 4, 0), (0, 0, 0)}
 
 
 def test_q6_diffuse_is_reflectance_over_pi_on_one_side_and_twosided_gives_it_a_back():
@@ -251,6 +271,15 @@ def test_q9_shadow_rays_start_1500_u_off_the_surface():
         assert (shown > 0) == is_lit, f"height {height}: {shown}"
 
 
+def test_q9_shadow_rays_end_before_the_light():
+    for short_of_light, is_lit in ((0.5, True), (2.0, False)):
+        height = 2 * (1 - short_of_light * 15000 * U)
+        sheet = {"type": "disk", "to_world": mi.ScalarTransform4f().translate([0, 0, height]).scale(0.1)}
+        scene = {"l": lamp.lamp((0, 0, 2), grey(1.0)), "sheet": sheet, "floor": floor(materials.lambert(grey(1.0)))}
+        shown = radiance(scene, *SLANTED)[0]
+        assert (shown > 0) == is_lit, f"height {height}: {shown}"
+
+
 def test_q10_a_stretched_sphere_is_drawn_exactly_as_an_instance_and_not_otherwise():
     stretched = mi.ScalarTransform4f().scale([1, 1, 0.5])
     group = {"type": "shapegroup", "s": {"type": "sphere", "bsdf": materials.lambert(grey(1.0))}}
@@ -282,6 +311,37 @@ def test_q11_the_disc_in_place_of_the_plane_keeps_its_digits_and_a_rectangle_wou
     assert off["rectangle"] > 1e-3, f"metres off the plane: {off}"
 
 
+def test_q12_the_side_of_a_smooth_mesh_is_that_of_its_shading_normal(tmp_path: Path):
+    (tmp_path / "leaning.ply").write_text(LEANING)
+    mesh = {"type": "ply", "filename": str(tmp_path / "leaning.ply"), "bsdf": materials.lambert(grey(1.0))}
+    scene = {"m": mesh, "l": {"type": "directional", "direction": [1, 0, -1], "irradiance": materials.bands(*grey(1.0))}}
+    # seen from above, against the shading normal (-1, 0, 0.1), which the light would meet from its front
+    from_the_right = ((3.0, 0.0, 0.2), (-1.0, 0.0, -0.2 / 3))
+    normal = np.array([-1, 0, 0.1]) / math.hypot(1, 0.1)
+    to_light = np.array([-1, 0, 1]) / math.sqrt(2)
+    assert radiance(scene, (0, 0, 3), (0, 0, -1))[0] == pytest.approx(normal @ to_light, rel=1e-5)
+    assert radiance(scene, *from_the_right)[0] == 0
+
+
+LEANING = """ply
+format ascii 1.0
+element vertex 3
+property float x
+property float y
+property float z
+property float nx
+property float ny
+property float nz
+element face 1
+property list uchar int vertex_indices
+end_header
+-2 -2 0 -1 0 0.1
+2 -2 0 -1 0 0.1
+0 2 0 -1 0 0.1
+3 0 1 2
+"""
+
+
 def test_q13_meshes_of_one_material_are_merged_unless_told_otherwise():
     scene = {"type": "scene", "m": {"type": "diffuse", "id": "m"}}
     scene |= {name: {"type": "cube", "bsdf": {"type": "ref", "id": "m"}} for name in ("a", "b")}
@@ -306,6 +366,25 @@ objects: [{kind: sphere, center: [0.1, 0, 0], radius: 0.5, material: clay}]
 def test_q14_the_llvm_that_was_found_is_the_one_that_compiles():
     assert os.environ[ENVIRONMENT] == find_llvm()
     assert dr.detail.llvm_version()[0] >= 17
+
+
+def kernels(folder: Path, text: str) -> list[tuple[str, int]]:
+    """(hash, how many lanes) of the compiled kernels that a picture takes."""
+    script = run(case_of_text(text), folder, samples=9).folder / "scene.py"
+    with dr.scoped_set_flag(dr.JitFlag.KernelHistory, True):
+        dr.kernel_history_clear()
+        runpy.run_path(str(script))["picture"]()
+        history = dr.kernel_history()
+    return [(kernel["hash"], kernel["size"]) for kernel in history if kernel["type"] == dr.KernelType.JIT]
+
+
+def test_q15_numbers_of_a_scene_are_not_part_of_its_kernels_and_each_path_is_traced_once(tmp_path: Path):
+    first = kernels(tmp_path / "a", LIT)
+    changed = LIT.replace("radiance: 1", "radiance: 2.5").replace("0.3", "0.25").replace("[0.1, 0, 0]", "[0.2, 0.1, 0]")
+    second = kernels(tmp_path / "b", changed.replace("exponent: 5", "exponent: 7"))
+    assert set(second) == set(first)
+    paths = [size for _, size in second if size == 6 * 4 * 9]
+    assert len(paths) == 32, f"{len(paths)} kernels over all paths, expected one per repeat: {second[:6]}"
 
 
 def test_a_script_runs_by_itself_and_gives_the_same_picture(tmp_path: Path):
