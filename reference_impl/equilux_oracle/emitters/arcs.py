@@ -27,6 +27,7 @@ class Arcs:
     """n arcs in local frames (`frame.py`): c, e, f are (3, n), start and end of t (n,). An arc with end ≤ start is empty.
 
     nearest: min |p|² over the whole curve, (n,); it is given because A − |B| would lose it near a disc's rim.
+    unsure: how much worse than usual the curve itself is known, (n,), ≥ 1: see `edge_arc`.
     """
 
     c: Array
@@ -35,6 +36,7 @@ class Arcs:
     start: Array
     end: Array
     nearest: Array
+    unsure: Array
 
     def at(self, t: Array) -> Array:
         """p(t), (3, n)."""
@@ -43,10 +45,10 @@ class Arcs:
 
     def between(self, start: Array, end: Array) -> Arcs:
         """Another part of the same curves."""
-        return Arcs(self.c, self.e, self.f, start, end, self.nearest)
+        return Arcs(self.c, self.e, self.f, start, end, self.nearest, self.unsure)
 
     def __getitem__(self, chosen: Bools) -> Arcs:
-        along = (self.start[chosen], self.end[chosen], self.nearest[chosen])
+        along = (self.start[chosen], self.end[chosen], self.nearest[chosen], self.unsure[chosen])
         return Arcs(self.c[:, chosen], self.e[:, chosen], self.f[:, chosen], *along)
 
     @property
@@ -81,17 +83,28 @@ def both(first: tuple[Array, Array], second: tuple[Array, Array]) -> list[tuple[
 
 def circle_arc(axis_x: Array, axis_y: Array, start: Array, end: Array) -> Arcs:
     """Part of the great circle r = x cos t + y sin t; axes (3, n), orthonormal."""
-    return Arcs(np.zeros_like(axis_x), axis_x, axis_y, start, end, np.ones(axis_x.shape[1]))
+    return Arcs(np.zeros_like(axis_x), axis_x, axis_y, start, end, *np.ones((2, axis_x.shape[1])))
 
 
-def arc_between(first: Array, last: Array) -> Arcs:
-    """The great-circle arc that a straight segment between two points (3, n) is seen as."""
+def edge_arc(first: Array, last: Array, start: Array, end: Array) -> Arcs:
+    """The great-circle arc that part of a straight edge is seen as, points (3, n).
+
+    The edge from `first` to `last` says which circle, `start` and `end` on it which part. Seen under an angle Θ, an error ε of
+    either corner's direction turns the circle by ε/sin Θ, which over an arc of length Θ makes Θ/sin Θ of it: from close to a
+    long edge, Θ is nearly π.
+    """
     normal = np.cross(first, last, axis=0)
-    sine, cosine = _length(normal), np.sum(first * last, axis=0)
+    product = _length(first) * _length(last)
+    sine = _length(normal)
+    used = (sine > 0.0) & np.any(start != end, axis=0)
     with np.errstate(divide="ignore", invalid="ignore"):
-        x = np.where(sine > 0.0, first / _length(first), np.array([[1.0], [0.0], [0.0]]))
-        z = np.where(sine > 0.0, normal / sine, np.array([[0.0], [0.0], [1.0]]))
-    return circle_arc(x, np.cross(z, x, axis=0), np.zeros_like(sine), np.where(sine > 0.0, np.arctan2(sine, cosine), 0.0))
+        x = np.where(used, first / _length(first), np.array([[1.0], [0.0], [0.0]]))
+        z = np.where(used, normal / sine, np.array([[0.0], [0.0], [1.0]]))
+        seen_under = np.arctan2(sine, np.sum(first * last, axis=0))
+        unsure = np.where(used, np.maximum(1.0, seen_under * product / sine), 1.0)
+    y = np.cross(z, x, axis=0)
+    low, high = (np.where(used, np.arctan2(np.sum(y * p, axis=0), np.sum(x * p, axis=0)), 0.0) for p in (start, end))
+    return Arcs(np.zeros_like(x), x, y, low, np.maximum(low, high), np.ones(x.shape[1]), unsure)
 
 
 def _length(v: Array) -> Array:

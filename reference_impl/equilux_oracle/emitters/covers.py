@@ -7,12 +7,12 @@ its region times what its radiance exceeds the environment's by. Bodies must not
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from equilux_oracle.doubledouble import DD, Array, Bools, dot, vector
+from equilux_oracle.doubledouble import DD, Array, Bools, cross, dot, vector
 from equilux_oracle.emitters.frame import Frame
 from equilux_oracle.emitters.regions import Polygon, Round, cap, disc, parallelogram
 from equilux_scenes.model import (
@@ -61,8 +61,8 @@ def cover_of(body: Object | AreaEmitter, eye: tuple[float, float, float]) -> Cov
     if body.kind == "disc" and stretch is not None:
         return _disc(_placed(to_world, body.center, eye), _normal(to_world, body.normal), body.radius * stretch)
     if body.kind == "rectangle":
-        edge_u, edge_v = (to_world[:3, :3] @ np.asarray(edge) for edge in (body.edge_u, body.edge_v))
-        return _rectangle(_placed(to_world, body.corner, eye), edge_u, edge_v)
+        edges = _turned(to_world, body.edge_u), _turned(to_world, body.edge_v)
+        return _rectangle(_Face.of(_placed(to_world, body.corner, eye), *edges))
     if isinstance(body, Plane):
         return _plane(_placed(to_world, body.point, eye), _normal(to_world, body.normal))
     if isinstance(body, Box):
@@ -98,10 +98,15 @@ def _similarity(to_world: Array) -> float | None:
 
 def _placed(to_world: Array, point: tuple[float, float, float], eye: tuple[float, float, float]) -> DD:
     """A point of a body relative to the eye, (3, 1), exact to double-double."""
-    place = vector(to_world[:3, 3]) - vector(eye)
+    return vector(to_world[:3, 3]) - vector(eye) + _turned(to_world, point)
+
+
+def _turned(to_world: Array, v: Sequence[float]) -> DD:
+    """A difference of points in the world, (3, 1), exact to double-double."""
+    turned = DD(np.zeros((3, 1)))
     for axis in range(3):
-        place = place + vector(to_world[:3, axis]) * point[axis]
-    return place
+        turned = turned + vector(to_world[:3, axis]) * v[axis]
+    return turned
 
 
 def _normal(to_world: Array, normal: tuple[float, float, float]) -> Array:
@@ -140,13 +145,28 @@ def _disc(center: DD, normal: Array, radius: float) -> Cover:
     return cover
 
 
-def _rectangle(corner: DD, edge_u: Array, edge_v: Array) -> Cover:
-    u, v = edge_u.reshape(3, 1), edge_v.reshape(3, 1)
-    normal = np.cross(edge_u, edge_v).reshape(3, 1)
+@dataclass(frozen=True)
+class _Face:
+    """A parallelogram: its corners in order relative to the eye, each (3, 1), and u × v."""
 
+    corners: tuple[DD, DD, DD, DD]
+    normal: DD
+
+    @classmethod
+    def of(cls, corner: DD, u: DD, v: DD) -> _Face:
+        return cls((corner, corner + u, corner + u + v, corner + v), cross(u, v))
+
+    def side(self, point: DD) -> Array:
+        """Height over the points along u × v: negative where they are on its side, (n,)."""
+        return dot(self.corners[0] - point, self.normal).hi
+
+    def region(self, point: DD, frame: Frame) -> Polygon:
+        return parallelogram(np.stack([frame.local((corner - point).hi) for corner in self.corners]), self.side(point))
+
+
+def _rectangle(face: _Face) -> Cover:
     def cover(point: DD, frame: Frame) -> Iterator[Covered]:
-        region = parallelogram(frame.local((corner - point).hi), frame.local(u), frame.local(v))
-        yield Covered(region, _everywhere(frame), _side(corner - point, normal) < 0.0)
+        yield Covered(face.region(point, frame), _everywhere(frame), face.side(point) < 0.0)
 
     return cover
 
@@ -162,28 +182,21 @@ def _plane(on_plane: DD, normal: Array) -> Cover:
 
 def _box(shape: Box, to_world: Array, eye: tuple[float, float, float]) -> Cover:
     """The faces seen from outside: together they are the box's silhouette, and none covers another."""
-    low, high = np.asarray(shape.min), np.asarray(shape.max)
+    low, high = vector(shape.min), vector(shape.max)
+    corner = _placed(to_world, shape.min, eye)
+    # A mirroring transform turns u × v to the other side.
+    outward = 1.0 if np.linalg.det(to_world[:3, :3]) > 0 else -1.0
+    edges = [_turned(to_world, [float(k == axis) for k in range(3)]) * (high - low)[axis] for axis in range(3)]
     faces = []
     for axis in range(3):
-        first, second = ((axis + 1) % 3, (axis + 2) % 3)
-        edges = [to_world[:3, k] * (high[k] - low[k]) for k in (first, second)]
-        for end in (low, high):
-            corner = low.copy()
-            corner[axis] = end[axis]
-            placed = _placed(to_world, (float(corner[0]), float(corner[1]), float(corner[2])), eye)
-            outward = np.zeros(3)
-            outward[axis] = 1.0 if end is high else -1.0
-            faces.append((placed, edges, _normal(to_world, (float(outward[0]), float(outward[1]), float(outward[2])))))
+        u, v = edges[(axis + 1) % 3], edges[(axis + 2) % 3]
+        faces += [(_Face.of(corner, v, u), outward), (_Face.of(corner + edges[axis], u, v), outward)]
 
     def cover(point: DD, frame: Frame) -> Iterator[Covered]:
-        for corner, (u, v), outward in faces:
-            seen = np.flatnonzero(_side(corner - point, outward) < 0.0)
+        for face, sign in faces:
+            seen = np.flatnonzero(sign * face.side(point) < 0.0)
             if len(seen):
-                chosen = frame[seen]
-                region = parallelogram(
-                    chosen.local((corner - point).hi[:, seen]), chosen.local(u.reshape(3, 1)), chosen.local(v.reshape(3, 1))
-                )
-                yield Covered(region, seen, np.ones(len(seen), dtype=bool))
+                yield Covered(face.region(point[:, seen], frame[seen]), seen, np.ones(len(seen), dtype=bool))
 
     return cover
 

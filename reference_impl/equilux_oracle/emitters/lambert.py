@@ -62,7 +62,7 @@ def _along(arcs: Arcs) -> tuple[Array, Array]:
             2 * np.pi * relative * (np.abs(k0) + e2 + np.abs(along) * b / (a + d)) / d,
             2 * np.pi * turn_error + DIRECTIONS * UNIT_ROUNDOFF,
         )
-    used = arcs.end > arcs.start
+    error, used = error * arcs.unsure, arcs.end > arcs.start
     return np.where(used, 0.5 * value, 0.0), np.where(used, 0.5 * error, 0.0)
 
 

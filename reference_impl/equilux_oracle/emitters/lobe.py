@@ -45,6 +45,7 @@ class Curves:
     k: Array
     q: Array
     nearest: Array
+    unsure: Array
     a: Array
     b: Array
     n: Array
@@ -73,6 +74,7 @@ def curves(contour: list[Arcs], frame: Frame, exponent: Array, cosine: Bools) ->
                 np.stack([_triple(axis, e, f), _triple(axis, c, f), -_triple(axis, c, e)]),
                 np.stack([_dot(c, c) + _dot(e, e), 2 * _dot(c, e), 2 * _dot(c, f)]),
                 arcs.nearest[owner],
+                arcs.unsure[owner],
                 frame.a[owner],
                 frame.b[owner],
                 exponent[owner] + 1.0,
@@ -118,7 +120,7 @@ def integrand(of: Curves, t: Array) -> tuple[Array, Array]:
         value = np.where(of.cosine[:, np.newaxis], with_cosine, value)
     c, e = np.sqrt(np.sum(of.p[:3] ** 2, axis=0)), np.sqrt(np.sum(of.p[3:6] ** 2, axis=0))
     u_p = np.where(inside & (n > 1.0), np.exp((n - 1.0) * np.where(inside, log_u, 0.0)), np.where(inside, 1.0, 0.0))
-    return value, 16.0 * (u_p + lobe) * ((c + e) * e)[:, np.newaxis] / q
+    return value, 16.0 * (u_p + lobe) * ((c + e) * e * of.unsure)[:, np.newaxis] / q
 
 
 def rotation_error(frame: Frame, exponent: Array) -> Array:

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from equilux_oracle.doubledouble import Array, Bools
-from equilux_oracle.emitters.arcs import Arcs, arc_between, both, circle_arc, positive_part
+from equilux_oracle.emitters.arcs import Arcs, both, circle_arc, edge_arc, positive_part
 from equilux_oracle.emitters.frame import Frame
 
 
@@ -64,7 +64,8 @@ class Polygon:
         heights = [np.sum(axis * self.corners, axis=1) for axis in axes]
         arcs = []
         for k in range(len(self.corners)):
-            arcs.append(arc_between(*self._edge_above(k, heights)))
+            edge = self.corners[k], self.corners[(k + 1) % len(self.corners)]
+            arcs.append(edge_arc(*edge, *self._edge_above(k, heights)))
         ends = [self._ends(height) for height in heights]
         if highlight:
             return arcs + _horizons_of_highlight(frame, ends[0], ends[1])
@@ -109,7 +110,8 @@ def cap(axis: Array, cos_alpha: Array, sin_alpha: Array) -> Round:
     first = np.stack([1.0 + sign * axis[0] ** 2 * s, sign * t, -sign * axis[0]])
     second = np.stack([t, sign + axis[1] ** 2 * s, -axis[1]])
     whole = np.full(axis.shape[1], np.pi)
-    rim = Arcs(axis * cos_alpha, first * sin_alpha, second * sin_alpha, -whole, whole, np.ones_like(whole))
+    one = np.ones_like(whole)
+    rim = Arcs(axis * cos_alpha, first * sin_alpha, second * sin_alpha, -whole, whole, one, one)
     return Round(rim, (cos_alpha <= 0.0) & (axis[2] > 0.0) & (np.hypot(axis[0], axis[1]) <= 1e-15))
 
 
@@ -122,16 +124,17 @@ def disc(to_center: Array, normal: Array, radius: float) -> Round:
     e = radius * frame_axis
     f = np.where(height >= 0.0, 1.0, -1.0) * np.cross(normal, e, axis=0)
     whole = np.full(to_center.shape[1], np.pi)
-    rim = Arcs(to_center, e, f, -whole, whole, (off - radius) ** 2 + height**2)
+    rim = Arcs(to_center, e, f, -whole, whole, (off - radius) ** 2 + height**2, np.ones_like(whole))
     return Round(rim, np.zeros(len(off), dtype=bool))
 
 
-def parallelogram(to_corner: Array, edge_u: Array, edge_v: Array) -> Polygon:
-    """The pyramid of a rectangle (or parallelogram), seen from whichever side; (3, n), local coordinates."""
-    side = np.sum(np.cross(edge_u, edge_v, axis=0) * to_corner, axis=0)
-    second, fourth = to_corner + edge_u, to_corner + edge_v
-    corners = np.stack([to_corner, np.where(side >= 0.0, second, fourth), second + edge_v, np.where(side >= 0.0, fourth, second)])
-    return Polygon(corners, side != 0.0)
+def parallelogram(corners: Array, side: Array) -> Polygon:
+    """The pyramid of a rectangle or parallelogram; corners (4, 3, n) in order, local coordinates, e.g. c, c + u, c + u + v, c +
+    v.
+
+    side: the corner's height along u × v, (n,): > 0 where the directions to the corners turn counter-clockwise.
+    """
+    return Polygon(np.where(side >= 0.0, corners, corners[[0, 3, 2, 1]]), side != 0.0)
 
 
 def _axes_of_normal(frame: Frame) -> tuple[Array, Array]:

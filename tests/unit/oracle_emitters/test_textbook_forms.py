@@ -7,9 +7,10 @@ import random
 
 import numpy as np
 import pytest
+from mpmath import mp, mpf
 
 from equilux_oracle.emitters import closed_forms
-from equilux_oracle.emitters.arcs import arc_between
+from equilux_oracle.emitters.arcs import edge_arc
 from equilux_oracle.emitters.frame import Frame
 from equilux_oracle.emitters.lobe import curves
 from equilux_oracle.emitters.panels import integrate
@@ -77,6 +78,34 @@ def test_a_rectangle_before_its_corner(received, sides):
     agrees(across, closed_forms.rectangle_on_perpendicular_element(w, h, 0.7), f"rectangle {sides}, across")
 
 
+@pytest.mark.parametrize("near", [1.0, 1e-2, 1e-4, 1e-7])
+@pytest.mark.parametrize("long", [1.0, 100.0, 1e5])
+def test_close_to_the_edge_of_a_long_rectangle(received, near, long):
+    # Lambert's polygon formula at fifty digits: half the sum of angle times the cosine of the edge's plane.
+    corner = (-0.3 * long, near, 0.6 * near)
+    panel = RectangleEmitter(kind="rectangle", corner=corner, edge_u=(0, 1.3, 0.2), edge_v=(long, 0, 0), radiance=(1, 1, 1))
+    value, bound = received(panel, receiver_of(UP, UP, 1.0))[0]
+    with mp.workdps(50):
+        c, u, v = (mp.matrix(list(vector)) for vector in (corner, panel.edge_u, panel.edge_v))
+        corners = [c, c + v, c + v + u, c + u]  # counter-clockwise seen along +z
+        total = mpf(0)
+        for first, last in zip(corners, [*corners[1:], corners[0]], strict=True):
+            normal = cross(first, last)
+            total += mp.atan2(mp.norm(normal), dot(first, last)) * normal[2] / mp.norm(normal)
+        true = total / 2
+    apart = float(abs(mpf(value) - true))
+    assert apart <= bound, f"closed form {value!r}, fifty digits {mp.nstr(true, 20)}, bound {bound}"
+    assert bound <= 1e-13 * max(1.0, long / near), f"bound {bound} of {value}"
+
+
+def dot(a, b):
+    return sum(a[k] * b[k] for k in range(3))
+
+
+def cross(a, b):
+    return mp.matrix([a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]])
+
+
 def test_parallel_discs_by_reciprocity():
     # The mean of a disc's factor over another one on its axis; A₁ F₁₂ = A₂ F₂₁.
     x, weight = np.polynomial.legendre.leggauss(40)
@@ -138,7 +167,8 @@ def test_arvos_axial_moments_of_a_polygon(exponent):
     if np.cross(b - a, c - a)[2] < 0:
         b, c = c, b
     triangle = [v / np.linalg.norm(v) for v in (a, b, c)]
-    arcs = [arc_between(triangle[k].reshape(3, 1), triangle[(k + 1) % 3].reshape(3, 1)) for k in range(3)]
+    edges = [(triangle[k].reshape(3, 1), triangle[(k + 1) % 3].reshape(3, 1)) for k in range(3)]
+    arcs = [edge_arc(*edge, *edge) for edge in edges]
     value, bound = integrate(curves(arcs, frame, np.array([float(exponent)]), np.array([False])), 1)
     true = arvo(triangle, np.array(UP), exponent)
     assert abs(value[0] - true) <= bound[0] + 1e-14, f"p = {exponent}: by panels {value[0]!r}, by recurrence {true!r}"
