@@ -12,8 +12,8 @@ def read(raw: RawRender) -> Reading:
     image = np.load(raw.files["radiance"], allow_pickle=False)
     arithmetic = Bound(
         "arithmetic",
-        "rounding of the shading in double precision, per pixel, term by term (derived in reference_impl/src/phong.h); the "
-        "geometry is found in double-double and adds nothing to it",
+        "rounding of the shading in double precision, per pixel, term by term (derived in reference_impl/src/phong.h, opengl.h "
+        "and raytraced.h); the geometry is found in double-double, and what many reflections make of that is included (spread.h)",
         abs=np.load(raw.files["rounding"], allow_pickle=False),
     )
     error = np.load(raw.files["quadrature"], allow_pickle=False)
