@@ -27,7 +27,7 @@ def lacking(case: Case) -> Mapping[str, str]:
     if case.scene.model == "reflection-equation":
         from equilux_oracle import emitters
 
-        return dict.fromkeys(emitters.supports(case), "no closed form")
+        return emitters.lacking(case)
     meshes = [shape for shape in case.scene.objects if isinstance(shape, Mesh)]
     if meshes:
         features = ["shape.mesh", *(f"normals.{shape.normals}" for shape in meshes)]
@@ -70,14 +70,16 @@ def evaluate(case: Case, film_xy: npt.ArrayLike) -> Array:
 def examine(case: Case, film_xy: npt.ArrayLike) -> Examination:
     """Radiance at film positions (n, 2), with its bound and its scale.
 
-    Raises ValueError for a mesh, and for model `reflection-equation`, whose errors have another scale.
+    Raises ValueError for a case without a closed form (`lacking`).
     """
     missing = lacking(case)
     if missing:
         raise ValueError(f"{case.name}: no closed form for {', '.join(sorted(missing))} ({'; '.join(set(missing.values()))})")
     positions = np.asarray(film_xy, dtype=np.float64).reshape(-1, 2)
     if case.scene.model == "reflection-equation":
-        raise ValueError(f"{case.name}: model reflection-equation is not examined but evaluated")
+        from equilux_oracle import emitters
+
+        return emitters.examine(case, positions)
     if case.scene.model == "raytraced":
         from equilux_oracle.affordable import examine_within_reason
 

@@ -23,7 +23,10 @@ REASONS = {
     + "34 in front and 4 behind; e_i has 3 more for 1 − t or t, and 4 for each transparent object on the light's way. Summed over "
     "the surfaces that the paths meet with their weights w, + 3 u w L per bounce and u L per term; + what the rounding of "
     "geometry, 2^-96 and magnified by every bounce (ray_errors.py), makes of each.",
-    "reflection-equation": "Rounding of the closed form's evaluation and of its quadrature, as stated by equilux_oracle.emitters.",
+    "reflection-equation": "Integrals along the borders of what is seen of each emitter: for the diffuse term in closed form, "
+    "for the highlight by Gauss–Legendre panels, each with a proven bound of at most u/(p + 1) (emitters/panels.py). Rounding: "
+    "16 u, and more close to a rim or a long edge, times the integral of the lobe's height along the border (emitters/lobe.py, "
+    "lambert.py); lights without an extent as in model phong.",
 }
 
 

@@ -20,7 +20,7 @@ from equilux_oracle.emitters.delta import from_light
 from equilux_oracle.emitters.frame import Frame
 from equilux_oracle.emitters.lambert import UNIT_ROUNDOFF
 from equilux_oracle.emitters.received import Reflecting, from_everywhere, from_region
-from equilux_oracle.emitters.unblocked import supports
+from equilux_oracle.emitters.unblocked import lacking
 from equilux_oracle.examination import SLICE, Examination, pixel_centers
 from equilux_oracle.lights import arriving
 from equilux_oracle.shadows import let_through
@@ -50,9 +50,9 @@ def examine(case: Case, film_xy: npt.ArrayLike) -> Examination:
     scale: K_emit + Σ E_i (K_diff + K_spec) over delta lights + Σ L_j (π K_diff + 2π/(p+1) K_spec) over emitters and
     environment. object_id counts emitters that are surfaces after the objects.
     """
-    lacking = supports(case)
-    if lacking:
-        raise ValueError(f"{case.name}: no closed form for {', '.join(lacking)}")
+    missing = lacking(case)
+    if missing:
+        raise ValueError(f"{case.name}: no closed form for {', '.join(sorted(missing))} ({'; '.join(set(missing.values()))})")
     positions = np.asarray(film_xy, dtype=np.float64).reshape(-1, 2)
     picture = _Picture(case.scene)
     starts = range(0, max(len(positions), 1), SLICE)

@@ -36,11 +36,16 @@ from equilux_scenes.transforms import matrix
 
 def supports(case: Case) -> list[str]:
     """The features of a case that have no closed form, sorted; empty where there is one."""
+    return sorted(lacking(case))
+
+
+def lacking(case: Case) -> dict[str, str]:
+    """The same, each with the reason."""
     scene = case.scene
     meshes = [shape for shape in scene.objects if isinstance(shape, Mesh)]
     if meshes:
-        return sorted({"shape.mesh", *(f"normals.{shape.normals}" for shape in meshes)})
-    return [] if _is_unblocked(scene) else ["occlusion"]
+        return dict.fromkeys(("shape.mesh", *(f"normals.{shape.normals}" for shape in meshes)), "a mesh is data, not a formula")
+    return {} if _is_unblocked(scene) else {"occlusion": "something may hide part of an emitter from what it lights"}
 
 
 def _is_unblocked(scene: Scene) -> bool:
