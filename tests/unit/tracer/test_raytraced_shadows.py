@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 
+from equilux_scenes.mesh import TriangleMesh
 from support.one_ray import box, channels, close, lamp, plane, radiance, sphere, sun
 
 MATT = {"diffuse": 0.5}
@@ -33,6 +35,19 @@ def test_every_crossing_of_a_transparent_object_multiplies_by_its_weight():
         close(band, 0.5 * (0.5 * k) ** 2)
     one = floor_under({"kind": "disc", "center": [0, 0, 3], "normal": [0, 0, 1], "radius": 1, "material": "pane"})
     close(one[0], 0.5 * 0.4)
+
+
+@pytest.mark.parametrize("turn", [0.0, 45.0, 33.0])
+def test_through_an_edge_that_triangles_share_there_is_one_crossing(turn):
+    # the shadow ray from the origin meets the diagonal of the pane, and with turn 0 a vertex of four
+    corners = np.array([[-1, -1, 3], [1, -1, 3], [1, 1, 3], [-1, 1, 3], [0, 0, 3]], dtype=float)
+    two, four = np.array([[0, 1, 2], [0, 2, 3]]), np.array([[0, 1, 4], [1, 2, 4], [2, 3, 4], [3, 0, 4]])
+    pane = {"kind": "mesh", "vertices": [[0, 0, 0]] * 3, "faces": [[0, 1, 2]], "material": "pane"}
+    pane["transform"] = [{"rotate": {"axis": [0, 0, 1], "degrees": turn}}]
+    for faces in (two, four):
+        meshes = {1: TriangleMesh(corners, faces, None)}
+        found = channels(FLOOR, pane, materials={"matt": MATT, "pane": PANE}, lights=[sun([0, 0, -1])], meshes=meshes, **VIEW)
+        close(float(found["radiance"][0]), 0.5 * 0.4)
 
 
 def test_ignored_transparent_objects_cast_no_shadow_and_opaque_ones_do():
