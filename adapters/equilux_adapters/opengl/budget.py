@@ -12,10 +12,10 @@ from typing import Any
 import numpy as np
 
 from equilux.adapter import Bound, Budget, Case, Geometric
-from equilux_adapters._triangles.bounds import Floats, U, view_of
-from equilux_adapters._triangles.displaced import reaches, set_back_of
+from equilux_adapters._triangles.bounds import U, view_of
+from equilux_adapters._triangles.displaced import set_back_of
 from equilux_adapters.opengl.division import segments_of, silhouette_px
-from equilux_adapters.opengl.formula import POSITION_ROUNDINGS
+from equilux_adapters.opengl.interpolation import Left
 from equilux_adapters.opengl.knobs import OpenGLKnobs
 from equilux_adapters.opengl.lighting import light_of, local_viewer, surface_of
 from equilux_scenes.model import Cylinder, Object, Sphere
@@ -23,12 +23,6 @@ from equilux_scenes.transforms import matrix
 
 SNAP_PX = 1 / 256
 """Corners are moved to multiples of 1/256 pixel, so by 1/512 along either axis; an edge moves by √2/512 at most (Q5)."""
-
-DIRECTION_ROUNDINGS = 8
-"""Of a unit vector (N, L, V or H): three subtracted or turned components at 2 u each, and the normalisation's 2 u."""
-
-COSINE_ROUNDINGS = 6
-"""Of a cosine near 1: the lengths of two vectors made unit, 2 u each, and the sum of three products, 2 u."""
 
 LIGHT_ROUNDINGS = 12
 """Of one light's contribution beyond its cosines: r² (4 u), the attenuation's sum and quotient (3 u), the product of light and
@@ -45,7 +39,6 @@ def facts_of(case: Case, knobs: OpenGLKnobs) -> dict[str, Any]:
     view, segments = view_of(scene.camera, scene.film), segments_of(case, knobs)
     lights = [light_of(light) for light in scene.delta_lights.values()]
     surfaces = [surface_of(scene.materials[obj.material]) for obj in scene.objects]
-    exponents = [light.exponent for light in lights] + [surface.shininess for surface in surfaces]
     return {
         "camera": scene.camera.model_dump(mode="json"),
         "film": scene.film.model_dump(mode="json"),
@@ -54,8 +47,6 @@ def facts_of(case: Case, knobs: OpenGLKnobs) -> dict[str, Any]:
         "ambient": list(scene.ambient),
         "local_viewer": local_viewer(scene),
         "round": [_round(obj) for obj in scene.objects],
-        "exponent": max(exponents, default=0.0),
-        "reach_m": reaches(case),
         "set_back_m": set_back_of(case, segments),
         "film_px": max((silhouette_px(view, obj, n) for obj, n in zip(scene.objects, segments, strict=True)), default=0.0),
     }
@@ -71,25 +62,18 @@ def _round(obj: Object) -> dict[str, Any] | None:
     return None
 
 
-def budget_of(facts: Mapping[str, Any], interpolation: Floats) -> Budget:
-    """The terms. interpolation: (h, w, 3), see `interpolation`."""
+def budget_of(facts: Mapping[str, Any], left: Left) -> Budget:
+    """The terms."""
     snapped = "corners are moved to multiples of 1/256 pixel, and circles are polygons"
     terms: list[Bound | Geometric] = [Geometric("silhouettes", snapped, film_px=SNAP_PX + facts["film_px"])]
     if facts["set_back_m"]:
         terms.append(Geometric("set back", "surfaces in one place are drawn apart", position_m=_by_index(facts["set_back_m"])))
     reason = "the formula is evaluated at the corners of triangles, and its value interpolated over them"
-    terms.append(Bound("vertex lighting", reason, abs=interpolation))
-    if facts["lights"]:
-        # an error of L or V counts as much as one of N
-        terms.append(
-            Geometric(
-                "single precision", "normals, positions and directions at corners", normal=2 * DIRECTION_ROUNDINGS * U,
-                position_m={index: POSITION_ROUNDINGS * U * reach for index, reach in _by_index(facts["reach_m"]).items()},
-            )
-        )
+    terms.append(Bound("vertex lighting", reason, abs=left.interpolation))
     roundings = CONSTANT_ROUNDINGS
     if facts["lights"]:
-        roundings += LIGHT_ROUNDINGS + len(facts["lights"]) + COSINE_ROUNDINGS * facts["exponent"]
+        terms.append(Bound("single precision", "normals, positions and directions at corners", abs=left.rounding))
+        roundings += LIGHT_ROUNDINGS + len(facts["lights"])
     terms.append(Bound("arithmetic", "rounding of each term, of their sum and of its interpolation", rel=roundings * U))
     return Budget(tuple(terms))
 

@@ -16,11 +16,18 @@ from equilux_adapters.opengl.kit.stage import Light, Surface, unit
 
 Floats = npt.NDArray[np.float64]
 
-GATE_ROUNDINGS = 24
-"""Of a cosine near a gate in single precision: three vectors made unit, 8 u each."""
+DIRECTION_ROUNDINGS = 8
+"""Of a unit vector in single precision: three subtracted components at 2 u each, and the normalisation's 2 u."""
+
+COSINE_ROUNDINGS = 6
+"""Of a cosine beyond the directions of its vectors: their lengths, 2 u each, and the sum of three products, 2 u. In a power it
+stands for what log2 and exp2 lose, too: some 3 u s."""
 
 POSITION_ROUNDINGS = 6
-"""Of a point's coordinates relative to the eye: to single precision, the rotation into view coordinates, the light's own."""
+"""Of a point's coordinates relative to the eye: to single precision, and the light's own."""
+
+GATE_ROUNDINGS = 2 * DIRECTION_ROUNDINGS + COSINE_ROUNDINGS
+"""Of a cosine near a gate: those of two vectors, and its own."""
 
 
 class Lighting(NamedTuple):
@@ -33,10 +40,12 @@ class Lighting(NamedTuple):
 
 
 class Lit(NamedTuple):
-    """radiance: (n, 3). doubt: by how much it changes when a gate that is within rounding opens or closes, (n, 3)."""
+    """radiance: (n, 3). doubt: by how much it changes when a gate that is within rounding opens or closes, (n, 3). rounding: by
+    how much when vectors and positions are off by what single precision loses of them, (n, 3)."""
 
     radiance: Floats
     doubt: Floats
+    rounding: Floats
 
 
 def lit(points: Floats, normals: Floats, surface: Surface, lighting: Lighting) -> Lit:
@@ -44,50 +53,83 @@ def lit(points: Floats, normals: Floats, surface: Surface, lighting: Lighting) -
     normals = rows_unit(normals)
     to_viewer = rows_unit(-points) if lighting.forward is None else np.broadcast_to(-lighting.forward, points.shape)
     flat = np.asarray(surface.emission) + np.asarray(surface.ambient) * lighting.ambient
-    radiance, doubt = np.broadcast_to(flat, points.shape).copy(), np.zeros_like(points)
+    total = Lit(np.broadcast_to(flat, points.shape), np.zeros_like(points), np.zeros_like(points))
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         for light in lighting.lights:
             one = _of_one(light, points, normals, to_viewer, surface)
-            radiance += one.radiance
-            doubt += one.doubt
-    return Lit(radiance, doubt)
+            total = Lit(*(a + b for a, b in zip(total, one, strict=True)))
+    return total
 
 
 def _of_one(light: Light, points: Floats, normals: Floats, to_viewer: Floats, surface: Surface) -> Lit:
-    rounding: float | Floats = GATE_ROUNDINGS * U
-    if light.position is None:
-        to_light = np.broadcast_to(-unit(light.direction), points.shape)
-        arriving, strength_in_doubt = np.ones(len(points)), np.zeros(len(points))
-    else:
-        away = np.asarray(light.position) - points
-        r = np.linalg.norm(away, axis=1)
-        to_light = away / r[:, None]
-        rounding = rounding + POSITION_ROUNDINGS * U * np.linalg.norm(points, axis=1) / r
-        constant, linear, quadratic = light.attenuation
-        arriving, strength_in_doubt = _within_cone(light, to_light, rounding)
-        fall = 1 / (constant + linear * r + quadratic * r**2)
-        arriving, strength_in_doubt = arriving * fall, strength_in_doubt * fall
-    cosine = np.sum(normals * to_light, axis=1)
-    half = np.maximum(np.sum(normals * rows_unit(to_light + to_viewer), axis=1), 0.0)
-    highlight = half[:, None] ** surface.shininess * np.asarray(surface.specular) * light.specular
+    arriving = _arriving(light, points)
+    cosine = np.sum(normals * arriving.to_light, axis=1)
+    sum_of_both = arriving.to_light + to_viewer
+    half = np.sum(normals * rows_unit(sum_of_both), axis=1)
+    of_light = DIRECTION_ROUNDINGS * U + arriving.moved
+    of_half = (of_light + (DIRECTION_ROUNDINGS + POSITION_ROUNDINGS) * U) / np.linalg.norm(sum_of_both, axis=1)
+    off_cosine = _off(cosine, DIRECTION_ROUNDINGS * U + of_light)
+    off_half = _off(half, DIRECTION_ROUNDINGS * U + of_half)
+
+    diffuse = np.asarray(surface.diffuse) * light.diffuse
+    specular = np.asarray(surface.specular) * light.specular
+    highlight = _power(half, surface.shininess)[:, None] * specular
     always = np.asarray(surface.ambient) * light.ambient
-    diffuse = np.maximum(cosine, 0.0)[:, None] * np.asarray(surface.diffuse) * light.diffuse
-    shone = always + diffuse + highlight * (cosine > 0)[:, None]
-    gated = np.where(np.abs(cosine) <= rounding, 1.0, 0.0)[:, None] * highlight
+    shone = always + np.maximum(cosine, 0.0)[:, None] * diffuse + highlight * (cosine > 0)[:, None]
+    gated = np.where(np.abs(cosine) <= GATE_ROUNDINGS * U + arriving.moved, 1.0, 0.0)[:, None] * highlight
+    open_gate = np.where(cosine > -off_cosine, 1.0, 0.0)[:, None]
+    moved = open_gate * (off_cosine[:, None] * diffuse + _power_off(half, off_half, surface.shininess)[:, None] * specular)
     return Lit(
-        arriving[:, None] * shone,
-        np.maximum(arriving, strength_in_doubt)[:, None] * gated + strength_in_doubt[:, None] * shone,
+        arriving.share[:, None] * shone,
+        np.maximum(arriving.share, arriving.doubt)[:, None] * gated + arriving.doubt[:, None] * shone,
+        arriving.share[:, None] * moved + arriving.off[:, None] * shone,
     )
 
 
-def _within_cone(light: Light, to_light: Floats, rounding: float | Floats) -> tuple[Floats, Floats]:
-    """The spot's factor, and what it would be if the point is on the other side of the cone's edge, where that is in doubt."""
+class _Arriving(NamedTuple):
+    """What of a light arrives: its direction, the share left by attenuation and spot, the share where it is in doubt whether
+    the cone holds the point, by how much rounding moves the share, and by what angle it moves the direction (n,)."""
+
+    to_light: Floats
+    share: Floats
+    doubt: Floats
+    off: Floats
+    moved: Floats
+
+
+def _arriving(light: Light, points: Floats) -> _Arriving:
+    nothing = np.zeros(len(points))
+    if light.position is None:
+        return _Arriving(np.broadcast_to(-unit(light.direction), points.shape), nothing + 1, nothing, nothing, nothing)
+    away = np.asarray(light.position) - points
+    r = np.linalg.norm(away, axis=1)
+    to_light, moved = away / r[:, None], POSITION_ROUNDINGS * U * np.linalg.norm(points, axis=1) / r
+    constant, linear, quadratic = light.attenuation
+    fall = 1 / (constant + linear * r + quadratic * r**2)
     if light.cutoff_deg > 90:
-        return np.ones(len(to_light)), np.zeros(len(to_light))
+        return _Arriving(to_light, fall, nothing, 2 * moved * fall, moved)
     along = -(to_light @ unit(light.direction))
     edge = np.cos(np.radians(light.cutoff_deg))
-    factor = np.maximum(along, 0.0) ** light.exponent
-    return np.where(along >= edge, factor, 0.0), np.where(np.abs(along - edge) <= rounding, factor, 0.0)
+    factor = _power(along, light.exponent) * fall
+    inside, in_doubt = along >= edge, np.abs(along - edge) <= GATE_ROUNDINGS * U + moved
+    off = _power_off(along, _off(along, 2 * DIRECTION_ROUNDINGS * U + moved), light.exponent) * fall + 2 * moved * factor
+    return _Arriving(to_light, np.where(inside, factor, 0), np.where(in_doubt, factor, 0), np.where(inside, off, 0), moved)
+
+
+def _off(cosine: Floats, angle: Floats) -> Floats:
+    """By how much a cosine is off when the angle is, and by its own rounding."""
+    sine = np.sqrt(np.maximum(1 - cosine**2, 0))
+    return np.asarray(sine * angle + angle**2 / 2 + COSINE_ROUNDINGS * U)
+
+
+def _power(cosine: Floats, exponent: float) -> Floats:
+    return np.asarray(np.maximum(cosine, 0.0) ** exponent)
+
+
+def _power_off(cosine: Floats, off: Floats, exponent: float) -> Floats:
+    """By how much a power is off at most when the cosine is."""
+    middle = _power(cosine, exponent)
+    return np.maximum(_power(cosine + off, exponent) - middle, middle - _power(cosine - off, exponent))
 
 
 def rows_unit(vectors: Floats) -> Floats:

@@ -5,10 +5,14 @@ estimated but worked out, in double, for every triangle that may show at a pixel
 Σ λ_k L(P_k, N_k) against L(P, N) at the point P of the true surface that the same ray meets, λ the perspective barycentric
 coordinates of the centre. That covers curved highlights as well as gates and cones that cross a triangle and are smeared over it.
 
+Where the centre is so near a side that the move of corners to the grid may give it to the neighbour, the neighbour's value is
+held against the truth as well.
+
 To that comes what rounding may do. L/w and 1/w, w the depth, are interpolated by planes over the film and divided; each is off as
 if the centre were ε pixels away (`bounds.rounding_px`), so the radiance by ε w (|∇(L/w)| + L |∇(1/w)|), with |∇f| at most
-Σ |f_k − f̄| / h_k, h_k the triangle's heights: much, where one triangle reaches over many octaves of depth. And a corner within
-rounding of a gate or a cone's edge may fall on the other side.
+Σ |f_k − f̄| / h_k, h_k the triangle's heights: much, where one triangle reaches over many octaves of depth. A corner within
+rounding of a gate or a cone's edge may fall on the other side. And every corner's value is off by what single precision loses
+of directions and positions.
 """
 
 from __future__ import annotations
@@ -21,7 +25,7 @@ import numpy.typing as npt
 
 from equilux_adapters._triangles.bounds import Floats, rounding_px
 from equilux_adapters._triangles.view import Mesh, View, seen_from
-from equilux_adapters.opengl.formula import Lighting, lit
+from equilux_adapters.opengl.formula import Lighting, Lit, lit
 from equilux_adapters.opengl.kit.stage import Surface
 
 GRID_PX = 1 / 256
@@ -54,22 +58,37 @@ class Shown(NamedTuple):
         )  # fmt: skip
 
 
-def interpolation_bound(
-    view: View, objects: Sequence[tuple[Mesh, Surface, Mapping[str, Any] | None]], lighting: Lighting
-) -> Floats:
-    """(h, w, 3), W/(m²·sr).
+class Left(NamedTuple):
+    """What is left open, W/(m²·sr), (h, w, 3) each. interpolation: by lighting at corners. rounding: by single precision."""
 
-    objects: what is drawn, relative to the eye, with its surface, and of what is round its true shape: see `on_surface`.
+    interpolation: Floats
+    rounding: Floats
+
+
+def left_open(
+    view: View, objects: Sequence[tuple[Mesh, Surface, Mapping[str, Any] | None]], lighting: Lighting
+) -> Left:
+    """objects: what is drawn, relative to the eye, with its surface, and of what is round its true shape: see `on_surface`.
+
+    Where a value is not finite (a corner in the place of a light) nothing is stated: 0.
     """
-    bound = np.zeros((view.height * view.width, 3))
+    pixels = view.height * view.width
+    result = Left(np.zeros((pixels, 3)), np.zeros((pixels, 3)))
     found = [shown(view, mesh) for mesh, _, _ in objects]
-    nearest = np.full(len(bound), np.inf)
+    nearest = np.full(pixels, np.inf)
     for pairs in found:
         np.minimum.at(nearest, pairs.pixel[pairs.surely], pairs.depth[pairs.surely])
     for (mesh, surface, true), everything in zip(objects, found, strict=True):
         pairs = everything.of(everything.depth <= nearest[everything.pixel] * (1 + NEAR))
-        np.maximum.at(bound, pairs.pixel, departure(view, mesh, surface, true, pairs, lighting))
-    return bound.reshape(view.height, view.width, 3)
+        if len(pairs.pixel):
+            values = evaluated(view, mesh, surface, true, pairs, lighting)
+            np.maximum.at(result.interpolation, pairs.pixel, _finite(_departure(pairs, values, pixels) + values.slack))
+            np.maximum.at(result.rounding, pairs.pixel, _finite(values.rounding))
+    return Left(*(part.reshape(view.height, view.width, 3) for part in result))
+
+
+def _finite(values: Floats) -> Floats:
+    return np.where(np.isfinite(values), values, 0.0)
 
 
 def shown(view: View, mesh: Mesh) -> Shown:
@@ -108,29 +127,49 @@ def _candidates(film: Floats, view: View) -> tuple[npt.NDArray[np.int64], npt.ND
     return triangle, low[triangle] + np.stack([within % columns[triangle], within // columns[triangle]], axis=1)
 
 
-def departure(
+class Values(NamedTuple):
+    """Per pair, (n, 3): the interpolated radiance, the formula's at the point itself, what rounding on the film and at gates may
+    add, and what it may at the corners."""
+
+    interpolated: Floats
+    true: Floats
+    slack: Floats
+    rounding: Floats
+
+
+def evaluated(
     view: View, mesh: Mesh, surface: Surface, true: Mapping[str, Any] | None, pairs: Shown, lighting: Lighting
-) -> Floats:
-    """(n, 3) per pair; 0 where it is not finite (a corner in the place of a light): nothing is stated there."""
-    if len(pairs.triangle) == 0:
-        return np.zeros((0, 3))
+) -> Values:
+    """See the module."""
     corners = mesh.triangles[pairs.triangle]
     used, inverse = np.unique(corners, return_inverse=True)
-    at_used = lit(mesh.points[used], mesh.normals[used], surface, lighting)
     inverse = inverse.reshape(corners.shape)
-    radiance, doubt = at_used.radiance[inverse], at_used.doubt[inverse]
+    at_corners = Lit(*(part[inverse] for part in lit(mesh.points[used], mesh.normals[used], surface, lighting)))
     points = np.einsum("nk,nkd->nd", pairs.weights, mesh.points[corners])
     normals = np.einsum("nk,nkd->nd", pairs.weights, mesh.normals[corners])
     if true is not None:
         points, normals = on_surface(view, true, points, normals, mesh.normals[corners])
-    interpolated = np.einsum("nk,nkd->nd", pairs.weights, radiance)
+    interpolated = np.einsum("nk,nkd->nd", pairs.weights, at_corners.radiance)
     nearness = np.ones((*corners.shape, 1)) if view.parallel else 1 / seen_from(view, mesh.points[used])[inverse, 2:]
-    over = nearness * radiance
-    slope = _slope(over, pairs) + np.abs(interpolated) * _slope(nearness, pairs)
+    slope = _slope(nearness * at_corners.radiance, pairs) + np.abs(interpolated) * _slope(nearness, pairs)
     slope /= np.abs(np.einsum("nk,nkd->nd", pairs.shares, nearness))
-    smeared: Floats = np.abs(interpolated - lit(points, normals, surface, lighting).radiance)
-    smeared += np.einsum("nk,nkd->nd", np.abs(pairs.weights), doubt) + rounding_px(view) * slope
-    return np.where(np.isfinite(smeared), smeared, 0.0)
+    doubt, rounding = (np.einsum("nk,nkd->nd", np.abs(pairs.weights), part) for part in (at_corners.doubt, at_corners.rounding))
+    here = lit(points, normals, surface, lighting).radiance
+    return Values(interpolated, here, doubt + rounding_px(view) * slope, rounding)
+
+
+def _departure(pairs: Shown, values: Values, pixels: int) -> Floats:
+    """(n, 3): of each pair's interpolated radiance from the formula's at its own point, and from that of the nearest triangle of
+    the object that holds the pixel's centre, unless this is another part of the object."""
+    own: Floats = np.abs(values.interpolated - values.true)
+    holding = np.flatnonzero(pairs.shares.min(axis=1) >= 0)
+    holding = holding[np.lexsort((pairs.depth[holding], pairs.pixel[holding]))]
+    shown_pixels, first = np.unique(pairs.pixel[holding], return_index=True)
+    holder = np.full(pixels, -1)
+    holder[shown_pixels] = holding[first]
+    other = holder[pairs.pixel]
+    near = (other >= 0) & (np.abs(pairs.depth - pairs.depth[other]) <= NEAR * pairs.depth)
+    return np.where(near[:, None], np.maximum(own, np.abs(values.interpolated - values.true[other])), own)
 
 
 def _slope(values: Floats, pairs: Shown) -> Floats:

@@ -15,7 +15,7 @@ from equilux_adapters._triangles.bounds import Floats, view_of
 from equilux_adapters._triangles.view import Mesh
 from equilux_adapters.opengl.budget import budget_of
 from equilux_adapters.opengl.formula import Lighting
-from equilux_adapters.opengl.interpolation import interpolation_bound
+from equilux_adapters.opengl.interpolation import Left, left_open
 from equilux_adapters.opengl.kit.stage import Light, Surface
 from equilux_adapters.opengl.knobs import OpenGLKnobs
 from equilux_adapters.opengl.render import DRAWN, IMAGE
@@ -29,10 +29,10 @@ def read(raw: RawRender, program: Program, knobs: OpenGLKnobs) -> Reading:
     except (OSError, ValueError, EOFError) as error:
         raise RendererFailed(f"{IMAGE}: {error}") from error
     facts = program.data
-    return Reading(image, budget_of(facts, _interpolation(facts, raw.files[DRAWN])))
+    return Reading(image, budget_of(facts, _left(facts, raw.files[DRAWN])))
 
 
-def _interpolation(facts: Mapping[str, Any], drawn: Path) -> Floats:
+def _left(facts: Mapping[str, Any], drawn: Path) -> Left:
     camera: Camera = TypeAdapter(Camera).validate_json(json.dumps(facts["camera"]))
     view = view_of(camera, Film.model_validate_json(json.dumps(facts["film"])))
     lights = [Light(**_arrays(light, view.eye)) for light in facts["lights"]]
@@ -42,7 +42,7 @@ def _interpolation(facts: Mapping[str, Any], drawn: Path) -> Floats:
         for index, (surface, true) in enumerate(zip(facts["surfaces"], facts["round"], strict=True)):
             mesh = Mesh(*(arrays[f"{name}-{index}"] for name in ("points", "normals", "triangles")))
             objects.append((mesh, Surface(**surface), true))
-    return interpolation_bound(view, objects, lighting)
+    return left_open(view, objects, lighting)
 
 
 def _arrays(light: Mapping[str, Any], eye: Floats) -> dict[str, Any]:

@@ -12,7 +12,7 @@ from equilux_adapters._triangles.clip import in_frame
 from equilux_adapters._triangles.facing import is_watertight, towards_eye
 from equilux_adapters._triangles.view import Mesh, View, look_at
 from equilux_adapters.opengl.formula import Lighting, lit
-from equilux_adapters.opengl.interpolation import interpolation_bound, on_surface, shown
+from equilux_adapters.opengl.interpolation import left_open, on_surface, shown
 from equilux_adapters.opengl.kit.refine import divided, drawn, on_film
 from equilux_adapters.opengl.kit.stage import Light, Surface
 
@@ -129,7 +129,7 @@ def test_the_bound_falls_with_the_square_of_the_triangles():
     largest = []
     for triangle_px in (8, 4, 2):
         mesh = divided(VIEW, in_frame(VIEW, whole), triangle_px, 0.0)
-        largest.append(interpolation_bound(VIEW, [(mesh, surface, None)], lighting).max())
+        largest.append(left_open(VIEW, [(mesh, surface, None)], lighting).interpolation.max())
     assert largest[0] > 2.5 * largest[1] > 2.5**2 * largest[2], f"bounds {largest}"
 
 
@@ -138,5 +138,5 @@ def test_where_a_corner_is_in_the_place_of_a_light_nothing_is_stated():
     view = View(**look_at((0, 0, 2), (0, 0, 0), (0, 1, 0)), half_height=0.5, width=33, height=33)
     corners = np.array([[0.0, 0, -2], [1, 0, -2], [0, 1, -2], [-1, -1, -2]])
     mesh = Mesh(corners, np.tile([0.0, 0, 1], (4, 1)), np.array([[0, 1, 2], [0, 2, 3], [0, 3, 1]]))
-    bound = interpolation_bound(view, [(mesh, surface, None)], Lighting([light], np.zeros(3), None))
+    bound = np.stack(left_open(view, [(mesh, surface, None)], Lighting([light], np.zeros(3), None)))
     assert np.isfinite(bound).all(), f"{(~np.isfinite(bound)).sum()} not finite"
