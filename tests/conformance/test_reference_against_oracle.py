@@ -20,7 +20,8 @@ RELATIVE = 1e-12
 FACING = 0.1
 """Below it the promise widens as 1/|N·V|: an error of the ray moves a grazing hit point by that much more."""
 
-CASES = [case for file in load_scenes([corpus_folder()]) for case in file.cases if not equilux_oracle.supports(case)]
+PHONG = [case for file in load_scenes([corpus_folder()]) for case in file.cases if case.scene.model == "phong"]
+CASES = [case for case in PHONG if not equilux_oracle.supports(case)]
 
 GROUPS = {
     "plain": {},
