@@ -31,13 +31,12 @@ bool is_convex(Solid solid) { return solid != Solid::cylinder_open && solid != S
 // Does the ball meet the hull of the point and the emitter, above the horizon?
 bool ball_may_block(const Vec3d& centre, double radius, const Vec3d& normal, const EmitterView& emitter) {
   if (dot(normal, centre) + radius <= touching * (length(centre) + radius)) return false;
-  if (emitter.kind == EmitterView::Kind::environment) return true;
   const double distance = length(centre);
-  if (distance <= radius) return true;
+  if (distance <= radius || emitter.half_angle >= pi) return true;
   const double apart = std::atan2(length(cross(emitter.towards, centre)), dot(emitter.towards, centre));
   if (apart > emitter.half_angle + std::asin(radius / distance) + 1e-9) return false;
   if (emitter.flat()) return dot(emitter.normal, centre) + emitter.height > -radius;
-  return distance - radius < length(emitter.centre);
+  return emitter.kind == EmitterView::Kind::environment || distance - radius < length(emitter.centre);
 }
 
 // A plane through the point that has the emitter on its other side shows that a shape on this side is not in between.
@@ -114,7 +113,7 @@ void Blockers::gather(const Obstacles& obstacles, const ShadedPoint& point, cons
           apart = beside(shape, m, tolerance);
         }
         if (apart) continue;
-      } else if (emitter.kind != EmitterView::Kind::environment && emitter.half_angle < 0.49 * pi) {
+      } else if (emitter.half_angle < 0.49 * pi) {
         const Vec3d across = shape.centre - emitter.towards * dot(shape.centre, emitter.towards);
         const double size = length(across);
         if (size > 0 && beside(shape, across * (std::cos(emitter.half_angle) / size) - emitter.towards * std::sin(emitter.half_angle), tolerance)) {
@@ -323,6 +322,30 @@ void Blockers::piercing_angles(const Shape& shape, const HalfPlane& plane, Stret
     return;
   }
   if (emitter_->kind != EmitterView::Kind::sphere) return;
+  // The half-plane cuts the sphere in a circle, and every flat face, o_k + x A_k + y B_k = level, in a line.
+  const Vec3d A = shape.back * plane.a, B = shape.back * plane.b;
+  const double cx = dot(emitter_->centre, plane.a), cy = dot(emitter_->centre, plane.b), off = dot(emitter_->centre, plane.normal);
+  const double radius2 = emitter_->radius * emitter_->radius - off * off;
+  const auto meet = [&](double p, double q, double constant) {  // p x + q y + constant = 0
+    const double size2 = p * p + q * q, distance = p * cx + q * cy + constant, rest = radius2 - distance * distance / size2;
+    if (!(rest > 0)) return;
+    const double along = std::sqrt(rest / size2), x = cx - p * distance / size2, y = cy - q * distance / size2;
+    add_angle(x - q * along, y + p * along, out);
+    add_angle(x + q * along, y - p * along, out);
+  };
+  switch (shape.solid) {
+    case Solid::plane:
+    case Solid::disc:
+    case Solid::rectangle: meet(A.z, B.z, shape.o.z); return;
+    case Solid::box:
+      for (const double level : {-1.0, 1.0}) {
+        meet(A.x, B.x, shape.o.x - level);
+        meet(A.y, B.y, shape.o.y - level);
+        meet(A.z, B.z, shape.o.z - level);
+      }
+      return;
+    default: break;
+  }
   constexpr int rays = 16;
   std::vector<double> ends = {within.low, within.high};
   for (const double angle : out) {
@@ -609,6 +632,30 @@ void Blockers::add_rim_crossings(const Shape& shape, std::vector<Breakpoint>& ou
   }
 }
 
+// The circles in which a shape's flat faces cut a sphere emitter: where half-planes touch them.
+void Blockers::add_cuts(const Shape& shape, std::vector<Breakpoint>& out) const {
+  const Matrix3<double>& back = shape.back;
+  const Vec3d rows[3] = {{back.column[0].x, back.column[1].x, back.column[2].x},
+                         {back.column[0].y, back.column[1].y, back.column[2].y},
+                         {back.column[0].z, back.column[1].z, back.column[2].z}};
+  const double o[3] = {shape.o.x, shape.o.y, shape.o.z};
+  const auto cut = [&](int k, double level) {
+    const double size = length(rows[k]), distance = (o[k] + dot(rows[k], emitter_->centre) - level) / size;
+    const double rest = emitter_->radius * emitter_->radius - distance * distance;
+    if (!(rest > 0)) return;
+    const Vec3d normal = rows[k] * (1 / size);
+    Vec3d columns[2];
+    complete_frame(normal, columns[0], columns[1]);
+    for (Vec3d& column : columns) column = column * std::sqrt(rest);
+    tangents(emitter_->centre - normal * distance, columns, 2, out);
+  };
+  if (is_flat(shape.solid)) cut(2, 0);
+  if (shape.solid == Solid::box) {
+    for (const int k : {0, 1, 2}) cut(k, -1), cut(k, 1);
+  }
+  if (shape.solid == Solid::cylinder_capped) cut(2, -1), cut(2, 1);
+}
+
 void Blockers::breakpoints(const std::vector<Vec3d>& circles, std::vector<Breakpoint>& out) {
   const Pencil& pencil = emitter_->pencil;
   const bool round = emitter_->kind == EmitterView::Kind::sphere || emitter_->kind == EmitterView::Kind::disc;
@@ -626,6 +673,7 @@ void Blockers::breakpoints(const std::vector<Vec3d>& circles, std::vector<Breakp
   };
   for (const Shape& shape : shapes_) {
     extent_of(shape, out);
+    if (shape.pierces && emitter_->kind == EmitterView::Kind::sphere) add_cuts(shape, out);
     edges_.clear();
     edges_of(shape, edges_);
     add_edges();

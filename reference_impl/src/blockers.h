@@ -78,6 +78,7 @@ class Blockers {
   void edges_of(const Shape& shape, std::vector<std::array<Vec3d, 2>>& out) const;
   void add_rim_crossings(const Vec3d& from, const Vec3d& to, std::vector<Breakpoint>& out) const;
   void add_rim_crossings(const Shape& shape, std::vector<Breakpoint>& out) const;
+  void add_cuts(const Shape& shape, std::vector<Breakpoint>& out) const;
   void extent_of(const Shape& shape, std::vector<Breakpoint>& out) const;
   void tangents(const Vec3d& centre, const Vec3d* columns, int count, std::vector<Breakpoint>& out) const;
 

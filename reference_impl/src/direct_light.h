@@ -16,6 +16,8 @@ struct Reflecting {
   bool specular = false;
 };
 
+inline double largest(const Bands& bands) { return std::max({bands.r, bands.g, bands.b}); }
+
 // One per thread, reused.
 class DirectLight {
  public:
@@ -25,14 +27,11 @@ class DirectLight {
   // what the point would get if nothing were in between. emitter: its number, or −1 for the environment.
   Integral from(int emitter, const Reflecting& at, Terms weight, double error_target);
 
-  // The same by a fixed rule, for differences between neighbouring points: no target, no error.
-  Terms coarsely_from(int emitter, const Reflecting& at);
-
  private:
   bool below_horizon(const Reflecting& at) const {
     return dot(at.point.normal, view_.centre) + view_.reach(at.point.normal) <= 0;
   }
-  bool look_at(int emitter, const Reflecting& at, const Vec3d& axis);
+  bool look_at(int emitter, const Reflecting& at, const Vec3d& axis, double half_angle);
   Integral over_view(const Reflecting& at, int object, bool diffuse, bool specular, Terms weight, double error_target);
   Terms scan(double turn, const Reflecting& at, bool blocked, bool diffuse, bool specular);
   void arrange_breakpoints(const Reflecting& at, bool blocked, bool specular);

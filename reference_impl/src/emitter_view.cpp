@@ -29,7 +29,7 @@ Stretch EmitterView::stretch(const HalfPlane& plane) const {
     case Kind::environment:
       break;
   }
-  return {0, pi};
+  return {0, half_angle};
 }
 
 double EmitterView::reach(const Vec3d& m) const {
@@ -154,10 +154,11 @@ bool view_of_rectangle(const Vec3d& corner, const Vec3d& edge_u, const Vec3d& ed
   return true;
 }
 
-void view_of_environment(const Vec3d& axis, const Vec3d& zero, EmitterView& view) {
+void view_of_environment(const Vec3d& axis, double half_angle, const Vec3d& zero, EmitterView& view) {
   view.kind = EmitterView::Kind::environment;
   view.pencil = pencil_about(axis, zero);
   view.towards = axis;
+  view.half_angle = half_angle;
 }
 
 }  // namespace equilux

@@ -63,6 +63,7 @@ bool rim_crossings(const EmitterView::Rim& rim, const Vec3d& m, double turn[2]);
 bool view_of_sphere(const Vec3d& centre, double radius, const Vec3d& zero, EmitterView& view);
 bool view_of_disc(const Vec3d& centre, const Vec3d& normal, double radius, const Vec3d& zero, EmitterView& view);
 bool view_of_rectangle(const Vec3d& corner, const Vec3d& edge_u, const Vec3d& edge_v, EmitterView& view);
-void view_of_environment(const Vec3d& axis, const Vec3d& zero, EmitterView& view);
+// Of the environment only what lies within half_angle of the axis counts.
+void view_of_environment(const Vec3d& axis, double half_angle, const Vec3d& zero, EmitterView& view);
 
 }  // namespace equilux

@@ -18,8 +18,6 @@ template <bool TermChannels> struct Compiled {
   static constexpr bool channels = TermChannels;
 };
 
-double largest(const Bands& bands) { return std::max({bands.r, bands.g, bands.b}); }
-
 // One per thread.
 struct Shading {
   const World& world;

@@ -53,7 +53,7 @@ struct Lobe {
  private:
   double power(double sine, double cosine) const {  // cos^p u
     if (sine * sine < 0.5) return std::exp(0.5 * exponent * std::log1p(-sine * sine));
-    return std::exp(exponent * std::log(cosine));
+    return cosine > 0 ? std::exp(exponent * std::log(cosine)) : 0;  // π/2 itself is not a double
   }
 };
 

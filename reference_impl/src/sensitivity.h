@@ -27,15 +27,15 @@ bool sensitivity(const World& world, const Samples& samples, const GeometricBoun
 // A step at a hit moves the local terms and bends the secondary rays, which are followed anew to their end. V follows P at the first
 // hit, as above; deeper, a ray has the direction that it has. Sides, cones and shadows of the lights at the hit are held (a light whose
 // shadow was of no interest, because it is on the side that does not count, has none). Where a secondary ray comes back with another path
-// signature, that discontinuity is left to class `edge`, and of the continuous change what the largest step of 1/4, 1/16 or 1/64 of the
-// size shows that keeps the signature, times 4, 16, 64; 0 if none does.
+// signature, that discontinuity is left to class `edge`, and of the continuous change counts what the largest step of 1/8, 1/64, 1/512 or
+// 1/4096 of the size shows that keeps the signature, times 8, 64, …; 0 if none does.
 bool sensitivity_raytraced(const World& world, const Samples& samples, const GeometricBounds& bounds, double* out, int threads,
                            const Cancel* cancel, const Interrupted& interrupted);
 
-// The same for model reflection_equation. The integrals are evaluated anew at each step, by one rule of 11 nodes between breakpoints and no
-// refinement; steps smaller than 1e-4 (of a highlight's width, and of the distance to the nearest emitter) are taken at that size and their
-// effect scaled down, so that the rule's own error, some 1e-6, does not drown it. Visibility of the lights without an extent is held;
-// penumbrae move. A sample that sees an emitter gives 0: its radiance is the same all over.
+// The same for model reflection_equation. The integrals are evaluated anew at each step, to 1e-5; steps smaller than 1e-3 (of a
+// highlight's width, and of the distance to the nearest emitter) are taken at that size and their effect scaled down, so that the error
+// of the integrals does not drown it. Visibility of the lights without an extent is held; penumbrae move. A sample that sees an emitter
+// gives 0: its radiance is the same all over.
 bool sensitivity_emitters(const World& world, const Samples& samples, const GeometricBounds& bounds, double* out, int threads,
                           const Cancel* cancel, const Interrupted& interrupted);
 

@@ -24,6 +24,9 @@ struct Held {
   double nearest_emitter = 0;    // metres
 };
 
+// Of the integrals, and least steps: so the integrals' error is a hundredth of the change that is looked for.
+constexpr double error_target = 1e-5, least_step = 1e-3;
+
 double power(double cosine, double exponent) { return cosine > 0 ? std::pow(cosine, exponent) : 0; }
 
 Bands from_delta_light(const Held& at, std::size_t k, const Vec3dd& position, const Vec3d& normal, const Vec3d& to_viewer) {
@@ -57,8 +60,9 @@ Bands reflected(const Held& at, DirectLight& direct, const Vec3dd& position, con
     here.lobe = Lobe(unit(normal * (2 * dot(normal, to_viewer)) - to_viewer), normal, at.material->exponent, at.with_cosine);
   }
   const auto add = [&](int emitter, const Bands& emitted) {
-    const Terms seen = direct.coarsely_from(emitter, here);
-    sum = sum + emitted * (at.material->diffuse * seen.diffuse + at.specular * seen.specular);
+    const Bands diffuse = emitted * at.material->diffuse, specular = emitted * at.specular;
+    const Terms seen = direct.from(emitter, here, {largest(diffuse), largest(specular)}, error_target).value;
+    sum = sum + diffuse * seen.diffuse + specular * seen.specular;
   };
   for (std::size_t k = 0; k < world.description.emitters.size(); ++k) add(static_cast<int>(k), world.description.emitters[k].radiance);
   if (world.description.has_environment) add(-1, world.description.background);
@@ -96,7 +100,7 @@ void hold(const World& world, const SurfacePoint& point, ShadowRays& shadows, He
   }
 }
 
-// A step of the size asked for, or a larger one whose effect is scaled down: the fixed rule's own error must not drown it.
+// A step of the size asked for, or a larger one whose effect is scaled down: the integrals' own error must not drown it.
 struct Step {
   double size = 0, share = 1;
 
@@ -104,9 +108,8 @@ struct Step {
 };
 
 Bands change_of(const Held& at, DirectLight& direct, double normal_bound, double position_bound) {
-  constexpr double least = 1e-4;
   const double width = at.specular.any() ? 1 / std::sqrt(at.material->exponent + 1) : 1;
-  const Step normal_step(normal_bound, least * width), position_step(position_bound, least * width * at.nearest_emitter);
+  const Step normal_step(normal_bound, least_step * width), position_step(position_bound, least_step * width * at.nearest_emitter);
   Vec3d tangent[2];
   complete_frame(at.normal, tangent[0], tangent[1]);
   const Bands base = reflected(at, direct, at.position, at.normal, at.to_viewer);
