@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import mpmath
 from mpmath import mp, mpf
@@ -30,8 +31,9 @@ from equilux_scenes.model import (
     Scene,
     Sphere,
     SpotLight,
+    TransformStep,
 )
-from equilux_scenes.transforms import matrix
+from equilux_scenes.transforms import matrix_of
 
 DIGITS = 50
 
@@ -123,10 +125,19 @@ def first_seen(scene: Scene, origin: Vector, direction: Vector, start: mpf | int
 
 def crossings_with(scene: Scene, index: int, origin: Vector, direction: Vector) -> Crossings:
     """All crossings of a line with one object, with outward normals in the world, not unit."""
-    m = mp.matrix(matrix(scene.objects[index]).tolist())
-    inverse = m**-1
-    for t, normal in _crossings(scene.objects[index], _apply(inverse, origin, 1), _apply(inverse, direction, 0)):
+    shape = scene.objects[index]
+    if not shape.transform:
+        yield from _crossings(shape, origin, direction)
+        return
+    inverse = _to_object(shape.transform, mp.prec)
+    for t, normal in _crossings(shape, _apply(inverse, origin, 1), _apply(inverse, direction, 0)):
         yield t, _apply(inverse.T, normal, 0)
+
+
+@lru_cache(maxsize=256)
+def _to_object(steps: tuple[TransformStep, ...], bits: int) -> mpmath.matrix:
+    """World → object, with so many bits."""
+    return mp.matrix(matrix_of(steps).tolist()) ** -1
 
 
 def _crossings(shape: Object, o: Vector, d: Vector) -> Crossings:
