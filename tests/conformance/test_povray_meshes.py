@@ -9,9 +9,10 @@ import pytest
 
 from equilux_scenes.case import Case
 from equilux_tracer import Tracer
-from support import plain_phong
+from support import plain_phong, plain_raytraced
 from support.edges import LEAST_DELTA_PX, on_edge
 from support.povray import Run, bound, case_of_text, pixel_centres, run, term
+from support.wrong_sides import wrong_sides
 
 SCENE = """
 equilux: 1
@@ -98,3 +99,64 @@ def test_three_equal_normals_are_interpolated_not_taken_for_flat(tmp_path):
     result = run(mesh_case("smooth", f"vertices: [[-1, 0, 1], [1, 0, 1], [0, 0, -1]], faces: [[0, 1, 2]], {bent}"), tmp_path)
     wrong, truth = disagreeing(result)
     assert not len(wrong), "\n".join(f"({x}, {y}): povray {result.image[y, x]}, truth {truth[y, x]}" for y, x in wrong[:5])
+
+
+GLASS = """
+equilux: 1
+name: mesh
+model: raytraced
+camera: {{projection: perspective, eye: [1.5, 2, 2.5], target: [0, 0, 0], fov_y_deg: 30}}
+film: {{width: 28, height: 21}}
+background: [0.1, 0.2, 0.4]
+recursion_limit: 3
+lights: {{key: {{kind: point, position: [2, 3, -1], intensity: 12}}}}
+materials:
+  glass: {{transparency: 0.9, transmission: [0.9, 1, 0.8], ior: 1.52, reflection: 0.8, emission: 0.01}}
+  floor: {{diffuse: [0.5, 0.3, 0.2], emission: 0.02}}
+objects:
+  - {{kind: mesh, normals: {normals}, {geometry}, material: glass}}
+  - {{kind: rectangle, corner: [-1, -0.8, -1.5], edge_u: [0, 0, 3], edge_v: [2, 0, 0], material: floor}}
+"""
+
+
+def closed_ball() -> str:
+    """An octahedron whose faces are divided twice: 128 triangles on a sphere, closed."""
+    points = [(1.0, 0.0, 0.0), (-1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, -1.0, 0.0), (0.0, 0.0, 1.0), (0.0, 0.0, -1.0)]
+    faces = [(a, b, c) for a in (0, 1) for b in (2, 3) for c in (4, 5)]
+    for _ in range(2):
+        halves: dict[frozenset[int], int] = {}
+
+        def half(i: int, j: int, halves: dict[frozenset[int], int] = halves) -> int:
+            if frozenset((i, j)) not in halves:
+                middle = np.add(points[i], points[j])
+                halves[frozenset((i, j))] = len(points)
+                points.append(tuple(middle / np.linalg.norm(middle)))
+            return halves[frozenset((i, j))]
+
+        faces = [
+            part for a, b, c in faces
+            for part in ((a, half(a, b), half(c, a)), (b, half(b, c), half(a, b)), (c, half(c, a), half(b, c)),
+                         (half(a, b), half(b, c), half(c, a)))
+        ]
+    corners = np.array(points)
+    a, b, c = np.moveaxis(corners[np.array(faces)], 1, 0)
+    inward = np.einsum("ij,ij->i", np.cross(b - a, c - a), a) < 0
+    return _geometry(0.7 * corners, np.where(inward[:, None], np.array(faces)[:, ::-1], np.array(faces)))
+
+
+@pytest.mark.parametrize("normals", ["flat", "smooth"])
+def test_a_glass_mesh_agrees_wherever_no_normal_sends_a_ray_to_the_wrong_side_of_a_face(normals, tmp_path):
+    # Q19, Q43: the model decides by the face which medium a ray is in, POV-Ray by counting
+    result = run(case_of_text(GLASS.format(normals=normals, geometry=closed_ball())), tmp_path)
+    film = result.case.scene.film
+    truth = plain_raytraced.radiance(result.case, pixel_centres(result.case))[0].reshape(film.height, film.width, 3)
+    tracer, storage, refraction = Tracer(result.case), term(result.budget, "mesh-storage"), term(result.budget, "refraction")
+    tilts = [storage.normal[0] + refraction.normal[0], 0.0]
+    allowed = bound(result.budget, truth) + np.asarray(tracer.sensitivity(tilts, [storage.position_m[0], 0.0])) + 1e-9
+    wrong = np.argwhere((np.abs(result.image - truth) > allowed).any(axis=2))
+    wrong = wrong[~on_edge(tracer, wrong[:, ::-1] + 0.5, max(LEAST_DELTA_PX, result.budget.film_px))]
+    astray = wrong_sides(result.case, pixel_centres(result.case)).reshape(film.height, film.width)
+    unexplained = [f"({x}, {y}): povray {result.image[y, x]}, truth {truth[y, x]}" for y, x in wrong if not astray[y, x]]
+    assert not unexplained, "\n".join(unexplained[:5])
+    assert (len(wrong) > 0) == (normals == "smooth"), f"{len(wrong)} pixels differ"
+    assert astray.sum() < 0.5 * (truth != result.case.scene.background).any(axis=2).sum(), f"{astray.sum()} pixels are excused"
