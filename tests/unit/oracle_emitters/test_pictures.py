@@ -250,3 +250,21 @@ def test_a_box_hides_as_much_of_the_sky_as_its_six_faces_seen_from_outside():
     faces = faces + picture(spec_of([{**bottom, "radiance": SKY["radiance"]}], CHALK, camera=down))[0]
     assert hidden.min() > 0
     assert np.allclose(hidden, faces, rtol=0, atol=1e-13), f"hidden {hidden.max()}, faces {faces.max()}"
+
+
+def test_the_oracle_asks_this_package_for_its_model():
+    case = case_of(spec_of([BALL_LAMP], GLOSS))
+    value, bound = equilux_oracle.radiance_with_bound(case)
+    mine, own = emitters.radiance_with_bound(case)
+    assert np.array_equal(value, mine)
+    assert np.array_equal(bound, own)
+    found = equilux_oracle.examine(case, [[6, 6.5]])
+    assert found.object_id.tolist() == [0]
+    assert np.array_equal(found.radiance, equilux_oracle.evaluate(case, [[6, 6.5]]))
+    assert np.all(found.scale >= found.radiance), f"scale {found.scale}, radiance {found.radiance}"
+
+
+def test_a_pixel_that_sees_an_emitter_has_its_number():
+    near = {**BALL_LAMP, "center": [0.2, 0.65, 1.1], "radius": 0.2}
+    found = emitters.examine(case_of(spec_of([PANEL, near], {"brdf": "lambert"})), [[6, 4.5]])
+    assert found.object_id.tolist() == [2], f"one object, two emitters, the second of them seen: {found.object_id}"
