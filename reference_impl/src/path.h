@@ -75,7 +75,10 @@ struct Visit {
 
 inline Shadow shadow_of(Tracing& tracing, const Light& light, const SurfacePoint& point, const Arriving& arriving) {
   const bool at_infinity = light.given.kind == LightKind::directional;
-  const Vec3dd direction = at_infinity ? light.to_light : unit(arriving.toward);
+  // The exact way, of unit length to a double's rounding: where crossings lie is found to 2^-50 of the distance all the same.
+  const double scale = 1 / arriving.distance;
+  const Vec3dd toward{arriving.toward.x * scale, arriving.toward.y * scale, arriving.toward.z * scale};
+  const Vec3dd& direction = at_infinity ? light.to_light : toward;
   const double distance = at_infinity ? std::numeric_limits<double>::infinity() : arriving.distance;
   return tracing.shadows.shadow(leaving(tracing.world, point, direction), distance);
 }

@@ -61,31 +61,49 @@ void Traversal::follow(const Ray& ray, Crossed& crossed) {
   if (world_.transport.embree != nullptr && crossed.reach() > 0) send_through_embree();
 }
 
-// The boxes fill [-1, 1]³. A ray that starts beyond 3 is brought to 2 before its middle, in double-double, because rounding to float would
-// move it by more than the boxes' padding.
-void Traversal::send_through_embree() {
+// The boxes fill [-1, 1]³. A ray that starts beyond 3 is brought to 2 before its middle, because rounding to float would move it by more
+// than the boxes' padding. Up to 2^20 from the middle and from the eye a double has the digits for that.
+bool Traversal::place_embree_ray() {
+  const TransportBoxes& boxes = world_.transport;
+  const Camera& camera = world_.camera;
+  const Vec3d right = to_double(camera.right), up = to_double(camera.up), forward = to_double(camera.forward);
+  const auto in_camera = [&](const Vec3d& v) { return Vec3d{dot(right, v), dot(up, v), dot(forward, v)}; };
+  origin_in_camera_ = in_camera(ray_->origin_rounded);
+  direction_in_camera_ = in_camera(ray_->direction_rounded);
+  start_ = (origin_in_camera_ - boxes.centre) * boxes.scale;
+  skipped_ = 0;
+  if (std::fmax(length(start_), length(origin_in_camera_) * boxes.scale) > 0x1p20) return place_far_embree_ray();
+  if (length(start_) <= 3) return true;
+  const double to_middle = -dot(start_, direction_in_camera_);
+  if (!(to_middle > 2)) return false;
+  start_ = start_ + direction_in_camera_ * (to_middle - 2);
+  skipped_ = to_middle - 2;
+  return length(start_ + direction_in_camera_ * 2.0) <= 2 + boxes.padding;
+}
+
+bool Traversal::place_far_embree_ray() {
   const TransportBoxes& boxes = world_.transport;
   const Camera& camera = world_.camera;
   const auto in_camera = [&](const Vec3dd& v) { return Vec3dd{dot(camera.right, v), dot(camera.up, v), dot(camera.forward, v)}; };
-  const Vec3dd origin = in_camera(ray_->origin), direction = in_camera(ray_->direction);
-  origin_in_camera_ = to_double(origin);
-  direction_in_camera_ = to_double(direction);
-  if (!world_.meshes.empty()) triangle_ray_ = AnywhereTriangleRay(origin_in_camera_, direction_in_camera_);
+  const Vec3dd direction = in_camera(ray_->direction);
+  Vec3dd start = (in_camera(ray_->origin) - exactly(boxes.centre)) * DoubleDouble(boxes.scale);
+  start_ = to_double(start);
+  if (length(start_) <= 3) return true;
+  const DoubleDouble to_middle = -dot(start, direction);
+  if (!(to_middle.hi > 2)) return false;
+  start = start + direction * (to_middle - DoubleDouble(2.0));
+  start_ = to_double(start);
+  skipped_ = to_double(to_middle) - 2;
+  return length(to_double(start + direction * DoubleDouble(2.0))) <= 2 + boxes.padding;
+}
 
-  Vec3dd start = (origin - exactly(boxes.centre)) * DoubleDouble(boxes.scale);
-  skipped_ = 0;
-  if (length(to_double(start)) > 3) {
-    const DoubleDouble to_middle = -dot(start, direction);
-    if (!(to_middle.hi > 2)) return;
-    start = start + direction * (to_middle - DoubleDouble(2.0));
-    if (length(to_double(start + direction * DoubleDouble(2.0))) > 2 + boxes.padding) return;
-    skipped_ = to_double(to_middle) - 2;
-  }
-  const Vec3d from = to_double(start);
+void Traversal::send_through_embree() {
+  if (!place_embree_ray()) return;
+  if (!world_.meshes.empty()) triangle_ray_ = AnywhereTriangleRay(origin_in_camera_, direction_in_camera_);
   RTCRayHit query{};
-  query.ray.org_x = static_cast<float>(from.x);
-  query.ray.org_y = static_cast<float>(from.y);
-  query.ray.org_z = static_cast<float>(from.z);
+  query.ray.org_x = static_cast<float>(start_.x);
+  query.ray.org_y = static_cast<float>(start_.y);
+  query.ray.org_z = static_cast<float>(start_.z);
   query.ray.dir_x = static_cast<float>(direction_in_camera_.x);
   query.ray.dir_y = static_cast<float>(direction_in_camera_.y);
   query.ray.dir_z = static_cast<float>(direction_in_camera_.z);
@@ -95,7 +113,7 @@ void Traversal::send_through_embree() {
   TransportContext context;
   embree::initialise(context);
   context.traversal = this;
-  embree::intersect(boxes.embree, context, query);
+  embree::intersect(world_.transport.embree, context, query);
 }
 
 // Must not fall short of any crossing within reach. Distances to boxes carry a relative error of a few 2^-23, and `skipped` one of 2^-52.

@@ -45,6 +45,8 @@ class Traversal {
 
  private:
   void send_through_embree();
+  bool place_embree_ray();  // false: it misses all boxes
+  bool place_far_embree_ray();
 
   struct Nearest final : Crossed {
     Candidates candidates;
@@ -57,7 +59,8 @@ class Traversal {
   Crossed* crossed_ = nullptr;
   AnywhereTriangleRay triangle_ray_;
   Vec3d origin_in_camera_, direction_in_camera_;
-  double skipped_ = 0;  // scaled units between the ray's origin and where Embree's ray starts
+  Vec3d start_;         // where Embree's ray starts, in scaled units
+  double skipped_ = 0;  // scaled units between the ray's origin and there
   Nearest nearest_;
 };
 
