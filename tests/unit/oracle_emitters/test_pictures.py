@@ -268,3 +268,38 @@ def test_a_pixel_that_sees_an_emitter_has_its_number():
     near = {**BALL_LAMP, "center": [0.2, 0.65, 1.1], "radius": 0.2}
     found = emitters.examine(case_of(spec_of([PANEL, near], {"brdf": "lambert"})), [[6, 4.5]])
     assert found.object_id.tolist() == [2], f"one object, two emitters, the second of them seen: {found.object_id}"
+
+
+@pytest.mark.parametrize(
+    ("written_out", "transformed"),
+    [
+        (
+            {"kind": "box", "min": [-0.3, 0.2, -0.3], "max": [0.4, 0.7, 0.2]},
+            {"kind": "box", "min": [-0.4, 0.2, -0.3], "max": [0.3, 0.7, 0.2], "transform": [{"scale": [-1, 1, 1]}]},
+        ),
+        (
+            {"kind": "sphere", "center": [0.2, 0.6, 0], "radius": 0.4},
+            {"kind": "sphere", "center": [0.1, 0.3, 0], "radius": 0.2, "transform": [{"scale": 2}]},
+        ),
+        (
+            {"kind": "disc", "center": [0, 0.6, 0.2], "normal": [0.5, 1, 0], "radius": 0.4},
+            {"kind": "disc", "center": [0, 0.4, 0.2], "normal": [0.5, 1, 0], "radius": 0.4,
+             "transform": [{"translate": [0, 0.2, 0]}]},
+        ),
+        (
+            {"kind": "rectangle", "corner": [-0.4, 0.5, 0.3], "edge_u": [0.8, 0, 0], "edge_v": [0, 0.2, -0.6]},
+            {"kind": "rectangle", "corner": [-0.2, 0.5, 0.3], "edge_u": [0.4, 0, 0], "edge_v": [0, 0.2, -0.6],
+             "transform": [{"scale": [2, 1, 1]}]},
+        ),
+    ],
+)  # fmt: skip
+def test_a_transformed_body_hides_what_it_hides_written_out(written_out, transformed):
+    materials = {"m": GLOSS, "black": {"brdf": "lambert"}}
+    (one, bound), (two, more) = (
+        picture(spec_of([SKY], GLOSS, (FLOOR, {**body, "material": "black"}), materials=materials))
+        for body in (written_out, transformed)
+    )
+    open_sky, _ = picture(spec_of([SKY], GLOSS))
+    # The written numbers are rounded: 0.4 is not quite 0.2 + 0.2.
+    assert np.all(np.abs(one - two) <= bound + more + 2**-50), f"apart {np.abs(one - two).max()}"
+    assert np.any((open_sky - one)[one > 0] > 1e-3), "hides nothing"
