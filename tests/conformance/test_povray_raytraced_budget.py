@@ -7,6 +7,8 @@ from pathlib import Path
 
 import numpy as np
 
+from equilux_adapters.povray.exposures import merge
+from equilux_adapters.povray.png import read_codes
 from equilux_tracer import Tracer
 from support.povray import Run, bound, case_of_text, run, term
 
@@ -124,3 +126,28 @@ def test_film_by_blockers_too_near(tmp_path):
     assert not truth.any()
     lit = int((np.abs(result.image - truth) > 0.01).any(axis=2).sum())
     assert_approached("film", lit / term(result.budget, "film").film_px)
+
+
+PARALLEL = """
+equilux: 1
+name: parallel-mirrors
+model: raytraced
+camera: {projection: perspective, eye: [0, 0, 0.2], target: [1, 0.2, 1], fov_y_deg: 30}
+film: {width: 80, height: 60}
+recursion_limit: 255
+lights: {lamp: {kind: point, position: [0.3, 0, 0.5], intensity: 0.1}}
+materials: {m: {reflection: 0.993, emission: 0.0067, diffuse: 0.5}}
+objects:
+  - {kind: plane, point: [0, 0, 0], normal: [0, 0, 1], material: m}
+  - {kind: plane, point: [0, 0, 1], normal: [0, 0, 1], material: m}
+"""
+
+
+def test_float32_colours_over_255_bounces(tmp_path):
+    # many pixels, so that some lie at the brink of half a step; what goes beyond it is arithmetic
+    result, truth, _ = traced(PARALLEL, tmp_path, exposures=1)
+    film, scales = result.case.scene.film, result.raw.data["full_scales"]
+    shown = merge({scales[name]: read_codes(path, film.width, film.height) for name, path in result.raw.files.items()})[0]
+    rest = bound(result.budget, truth, leave_out=["float32-colours", "storage"])
+    beyond = np.maximum(np.abs(shown - truth) - rest, 0)
+    assert_approached("float32-colours", beyond / (term(result.budget, "float32-colours").rel * truth))

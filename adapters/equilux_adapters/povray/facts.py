@@ -49,6 +49,7 @@ def facts(
         "layered": any(texture(m).layered for m in used),
         "glowing": any(any(m.ambient) or any(m.emission) for m in used),
         "bounces": bounces,
+        "lets_through": any(m.through is not None for m in used),
         "filters": _filters(case, used),
         "sources": sum(lamp.sources for lamp in lights),
         "fading": max([lamp.relative for lamp in lights], default=0.0),

@@ -69,14 +69,15 @@ def _arithmetic(facts: Any) -> Bound:
 
     A light's colour (1) and its attenuation (1), pigment (1), finish (1), their products (2), the encoding to 16 bits (2); the
     weights of layers (2); ambient light or Exposure times what glows (1); one addition per light; per surface that filters a
-    shadow ray its filter (1), the product of the layers' (1) and that with the light (1). Per bounce the layers' filters (1 each
-    of 2, and 2 products), attenuation (1), the product with what the ray found (1), and the sum (1): a reflection takes fewer.
+    shadow ray its filter (1), the product of the layers' (1) and that with the light (1). Per bounce k_refl (1) and its blend
+    over angles (2), or the filters of two layers (2) and their product (1); the product with what the ray found (1); the sum (1),
+    and one more where a ray may go either way.
 
     phong_size in float32, if that rounds, turns s = (R·V)^p into s^(1 + 2⁻²⁴): |ln s| roundings, at most 10 where s ≥ e⁻¹⁰, below
     that 10 e⁻¹⁰ of the brightest. An exponent kept as roughness is rounded three times (Q40).
     """
     of_exponent = (3 if facts["half_vector"] else 1) * 10
     roundings = 8 + 2 * facts["layered"] + facts["glowing"] + facts["sources"] + of_exponent * bool(facts["rounded_highlight"])
-    roundings += 3 * facts["filters"] + 7 * facts["bounces"]
+    roundings += 3 * facts["filters"] + (5 + facts["lets_through"]) * facts["bounces"]
     return Bound("float32-colours", "POV-Ray computes colours in float32 (Q5)", rel=roundings * FLOAT32,
                  abs=of_exponent * float(np.exp(-10.0)) * FLOAT32 * facts["rounded_highlight"])
