@@ -189,6 +189,57 @@ void Blockers::gather(const Obstacles& obstacles, const ShadedPoint& point, cons
   }
 }
 
+namespace {
+
+// a + b cos + c sin + d cos 2 + e sin 2, through its values at five points.
+struct SecondHarmonics {
+  double a = 0, b = 0, c = 0, d = 0, e = 0;
+
+  template <class F> explicit SecondHarmonics(const F& f) {
+    for (int k = 0; k < 5; ++k) {
+      const double turn = 2 * pi * k / 5, value = f(turn) / 5;
+      a += value;
+      b += 2 * value * std::cos(turn);
+      c += 2 * value * std::sin(turn);
+      d += 2 * value * std::cos(2 * turn);
+      e += 2 * value * std::sin(2 * turn);
+    }
+  }
+  double at(double t) const {
+    const double x = std::cos(t), y = std::sin(t);
+    return a + b * x + c * y + d * (x * x - y * y) + 2 * e * x * y;
+  }
+  double slope(double t) const {
+    const double x = std::cos(t), y = std::sin(t);
+    return c * x - b * y + 2 * e * (x * x - y * y) - 4 * d * x * y;
+  }
+
+  // Its zeros: at most four. Between samples also those on both sides of an extremum that just reaches over.
+  template <class G> void zeros(const G& found) const {
+    constexpr int samples = 24;
+    for (int k = 0; k < samples; ++k) {
+      const double low = 2 * pi * k / samples, high = 2 * pi * (k + 1) / samples, here = at(low), there = at(high);
+      if ((here > 0) != (there > 0)) {
+        found(crossing(low, high, [this](double t) { return at(t); }));
+      } else if ((slope(low) > 0) != (slope(high) > 0)) {
+        const double top = crossing(low, high, [this](double t) { return slope(t); });
+        if ((at(top) > 0) == (here > 0)) continue;
+        found(crossing(low, top, [this](double t) { return at(t); }));
+        found(crossing(top, high, [this](double t) { return at(t); }));
+      }
+    }
+  }
+
+ private:
+  template <class F> static double crossing(double low, double high, const F& f) {
+    const bool positive = f(low) > 0;
+    for (int step = 0; step < 44; ++step) ((f(0.5 * (low + high)) > 0) == positive ? low : high) = 0.5 * (low + high);
+    return 0.5 * (low + high);
+  }
+};
+
+}  // namespace
+
 // --- one half-plane ---------------------------------------------------------------------------------------------------
 
 namespace {
@@ -310,7 +361,7 @@ bool Blockers::blocks(const Shape& shape, const Vec3d& direction) const {
   return false;
 }
 
-void Blockers::piercing_angles(const Shape& shape, const HalfPlane& plane, Stretch within, std::vector<double>& out) const {
+void Blockers::piercing_angles(const Shape& shape, const HalfPlane& plane, std::vector<double>& out) const {
   if (emitter_->flat()) {  // along the line where the half-plane meets the emitter's plane
     const double na = dot(emitter_->normal, plane.a), nb = dot(emitter_->normal, plane.b), slope2 = na * na + nb * nb;
     if (!(slope2 > 0)) return;
@@ -346,27 +397,18 @@ void Blockers::piercing_angles(const Shape& shape, const HalfPlane& plane, Stret
       return;
     default: break;
   }
-  constexpr int rays = 16;
-  std::vector<double> ends = {within.low, within.high};
-  for (const double angle : out) {
-    if (angle > within.low && angle < within.high) ends.push_back(angle);
-  }
-  std::sort(ends.begin(), ends.end());
-  const auto blocked = [&](double angle) { return blocks(shape, plane.direction(angle)); };
-  for (std::size_t i = 0; i + 1 < ends.size(); ++i) {
-    double last = ends[i];
-    bool before = false;
-    for (int k = 0; k < rays; ++k) {
-      const double here = ends[i] + (ends[i + 1] - ends[i]) * (k + 0.5) / rays;
-      const bool now = blocked(here);
-      if (k > 0 && now != before) {
-        double low = last, high = here;
-        for (int step = 0; step < 48; ++step) (blocked(0.5 * (low + high)) == before ? low : high) = 0.5 * (low + high);
-        out.push_back(0.5 * (low + high));
-      }
-      before = now;
-      last = here;
-    }
+  // A round side: around that circle it is a trigonometric polynomial with two harmonics.
+  if (!(radius2 > 0)) return;
+  const double radius = std::sqrt(radius2);
+  const bool cylinder = shape.solid != Solid::sphere;
+  const SecondHarmonics around([&](double turn) {
+    const Vec3d q = shape.o + A * (cx + radius * std::cos(turn)) + B * (cy + radius * std::sin(turn));
+    return q.x * q.x + q.y * q.y + (cylinder ? 0 : q.z * q.z) - 1;
+  });
+  around.zeros([&](double turn) { add_angle(cx + radius * std::cos(turn), cy + radius * std::sin(turn), out); });
+  if (cylinder) {
+    meet(A.z, B.z, shape.o.z - 1);
+    meet(A.z, B.z, shape.o.z + 1);
   }
 }
 
@@ -434,7 +476,7 @@ void Blockers::gaps(const HalfPlane& plane, Stretch within, Gaps& out) {
   for (const Shape& shape : shapes_) {
     angles_.clear();
     outline_angles(shape, plane, angles_);
-    if (shape.pierces) piercing_angles(shape, plane, within, angles_);
+    if (shape.pierces) piercing_angles(shape, plane, angles_);
     std::erase_if(angles_, [&](double angle) { return !(angle > within.low && angle < within.high); });
     angles_.push_back(within.high);
     std::sort(angles_.begin(), angles_.end());
@@ -496,7 +538,8 @@ void Blockers::extent_of(const Shape& shape, std::vector<Breakpoint>& out) const
   }
 }
 
-// The straight edges of a shape's outline: of a box those between a face that shows itself to the point and one that does not.
+// The straight edges of a shape's outline: of a box those between a face that shows itself to the point and one that does not, of a
+// cylinder the two lines along which its side is touched.
 void Blockers::edges_of(const Shape& shape, std::vector<std::array<Vec3d, 2>>& out) const {
   const Vec3d* column = shape.columns.column;
   if (shape.solid == Solid::rectangle) {
@@ -505,6 +548,14 @@ void Blockers::edges_of(const Shape& shape, std::vector<std::array<Vec3d, 2>>& o
       const Vec3d next = shape.centre + column[0] * double(u) + column[1] * double(v);
       out.push_back({last, next});
       last = next;
+    }
+  }
+  if ((shape.solid == Solid::cylinder_capped || shape.solid == Solid::cylinder_open) && !shape.inside) {
+    const double distance = std::hypot(shape.o.x, shape.o.y), middle = std::atan2(shape.o.y, shape.o.x);
+    const double apart = std::acos(std::min(1.0, 1 / distance));  // to the lines along which the side is touched
+    for (const double at : {middle - apart, middle + apart}) {
+      const Vec3d side = shape.centre + column[0] * std::cos(at) + column[1] * std::sin(at);
+      out.push_back({side - column[2], side + column[2]});
     }
   }
   if (shape.solid != Solid::box) return;
@@ -521,114 +572,103 @@ void Blockers::edges_of(const Shape& shape, std::vector<std::array<Vec3d, 2>>& o
   }
 }
 
-// Where a straight edge crosses the rim of a round emitter.
-void Blockers::add_rim_crossings(const Vec3d& from, const Vec3d& to, std::vector<Breakpoint>& out) const {
-  const EmitterView::Rim rim = emitter_->rim();
-  const Vec3d m = cross(from, to);
-  double turn[2];
-  if (!rim_crossings(rim, m, turn)) return;
-  for (const double at : turn) {
-    const Vec3d direction = rim.at(at);
-    if (dot(cross(from, direction), m) >= 0 && dot(cross(direction, to), m) >= 0) out.push_back({emitter_->pencil.azimuth(direction), false});
+// The round parts of a shape's outline: the circle along which a sphere is touched; the rims of a disc and of a cylinder's ends.
+void Blockers::rims_of(const Shape& shape, std::vector<Rim>& out) const {
+  const Vec3d* column = shape.columns.column;
+  switch (shape.solid) {
+    case Solid::sphere: {
+      const double o2 = dot(shape.o, shape.o);
+      if (shape.inside || !(o2 > 1)) break;
+      Vec3d u, v;
+      complete_frame(unit(shape.o), u, v);
+      const double radius = std::sqrt(1 - 1 / o2);
+      out.push_back({shape.centre + shape.columns * (shape.o * (1 / o2)), shape.columns * (u * radius), shape.columns * (v * radius)});
+      break;
+    }
+    case Solid::disc:
+      out.push_back({shape.centre, column[0], column[1]});
+      break;
+    case Solid::cylinder_capped:
+    case Solid::cylinder_open:
+      out.push_back({shape.centre - column[2], column[0], column[1]});
+      out.push_back({shape.centre + column[2], column[0], column[1]});
+      break;
+    default:
+      break;
   }
 }
 
 namespace {
 
-// a + b cos + c sin + d cos 2 + e sin 2, through its values at five points.
-struct SecondHarmonics {
-  double a = 0, b = 0, c = 0, d = 0, e = 0;
-
-  template <class F> explicit SecondHarmonics(const F& f) {
-    for (int k = 0; k < 5; ++k) {
-      const double turn = 2 * pi * k / 5, value = f(turn) / 5;
-      a += value;
-      b += 2 * value * std::cos(turn);
-      c += 2 * value * std::sin(turn);
-      d += 2 * value * std::cos(2 * turn);
-      e += 2 * value * std::sin(2 * turn);
-    }
-  }
-  double at(double t) const {
-    const double x = std::cos(t), y = std::sin(t);
-    return a + b * x + c * y + d * (x * x - y * y) + 2 * e * x * y;
-  }
-  double slope(double t) const {
-    const double x = std::cos(t), y = std::sin(t);
-    return c * x - b * y + 2 * e * (x * x - y * y) - 4 * d * x * y;
-  }
-
-  // Its zeros: at most four. Between samples also those on both sides of an extremum that just reaches over.
-  template <class G> void zeros(const G& found) const {
-    constexpr int samples = 24;
-    for (int k = 0; k < samples; ++k) {
-      const double low = 2 * pi * k / samples, high = 2 * pi * (k + 1) / samples, here = at(low), there = at(high);
-      if ((here > 0) != (there > 0)) {
-        found(crossing(low, high, [this](double t) { return at(t); }));
-      } else if ((slope(low) > 0) != (slope(high) > 0)) {
-        const double top = crossing(low, high, [this](double t) { return slope(t); });
-        if ((at(top) > 0) == (here > 0)) continue;
-        found(crossing(low, top, [this](double t) { return at(t); }));
-        found(crossing(top, high, [this](double t) { return at(t); }));
-      }
-    }
-  }
-
- private:
-  template <class F> static double crossing(double low, double high, const F& f) {
-    const bool positive = f(low) > 0;
-    for (int step = 0; step < 44; ++step) ((f(0.5 * (low + high)) > 0) == positive ? low : high) = 0.5 * (low + high);
-    return 0.5 * (low + high);
-  }
-};
+// Directions between two others, on the shorter arc.
+bool within(const std::array<Vec3d, 2>& edge, const Vec3d& m, const Vec3d& direction) {
+  return dot(cross(edge[0], direction), m) >= 0 && dot(cross(direction, edge[1]), m) >= 0;
+}
 
 }  // namespace
 
-// Where a round outline crosses the rim of a round emitter. The outline is a cone of directions ω with a quadratic form that is 0 on it:
-//     sphere: |d|² − |o × d|²      rim of a disc or of a cylinder's end: d_z² − |o_xy d_z + (z − o_z) d_xy|²      d = ω in the canonical frame
-void Blockers::add_rim_crossings(const Shape& shape, std::vector<Breakpoint>& out) const {
-  const EmitterView::Rim rim = emitter_->rim();
-  const Vec3d& o = shape.o;
-  const auto on_cone = [&](const auto& form) {
-    const SecondHarmonics around([&](double turn) { return form(shape.back * rim.at(turn)); });
-    around.zeros([&](double turn) { out.push_back({emitter_->pencil.azimuth(rim.at(turn)), false}); });
-  };
-  const auto end = [&](double z) {
-    on_cone([&](const Vec3d& d) {
-      const double x = o.x * d.z + (z - o.z) * d.x, y = o.y * d.z + (z - o.z) * d.y;
-      return d.z * d.z - x * x - y * y;
-    });
-  };
-  const auto on_circle = [&](const Vec3d& canonical_normal) {
-    double turn[2];
-    if (!rim_crossings(rim, transposed_times(shape.back, canonical_normal), turn)) return;
-    for (const double at : turn) out.push_back({emitter_->pencil.azimuth(rim.at(at)), false});
-  };
-  switch (shape.solid) {
-    case Solid::sphere:
-      if (shape.inside) break;
-      on_cone([&](const Vec3d& d) {
-        const Vec3d off = cross(o, d);
-        return dot(d, d) - dot(off, off);
-      });
-      break;
-    case Solid::disc:
-      end(0);
-      break;
-    case Solid::cylinder_capped:
-    case Solid::cylinder_open: {
-      end(-1);
-      end(1);
-      if (shape.inside) break;
-      const double distance = std::hypot(o.x, o.y), middle = std::atan2(o.y, o.x), apart = std::acos(std::min(1.0, 1 / distance));
-      for (const double at : {middle - apart, middle + apart}) on_circle({std::cos(at), std::sin(at), 0});
-      break;
+// Where two outlines cross, as directions. A round outline is a cone with a quadratic form that is 0 on it,
+//     sphere: |d|² − |o × d|²      rim of a disc or of a cylinder's end: d_z² − |o_xy d_z + (z − o_z) d_xy|²,      d = ω in the canonical frame
+// and along another rim that form is a trigonometric polynomial with two harmonics.
+template <class F> void Blockers::crossings_of_edges(const Outline& a, const Outline& b, const F& found) const {
+  for (const auto& edge : a.edges) {
+    const Vec3d m = cross(edge[0], edge[1]);
+    for (const auto& other : b.edges) {
+      const Vec3d m_other = cross(other[0], other[1]), direction = cross(m, m_other);
+      for (const Vec3d& along : {direction, -direction}) {
+        if (within(edge, m, along) && within(other, m_other, along)) found(along);
+      }
     }
-    case Solid::plane:
-      on_circle({0, 0, 1});
-      break;
-    default:
-      break;
+  }
+}
+
+template <class F> void Blockers::crossings_with_rims(const Outline& a, const std::vector<Rim>& rims, const F& found) const {
+  for (const Rim& rim : rims) {
+    for (const auto& edge : a.edges) {
+      const Vec3d m = cross(edge[0], edge[1]);
+      double turn[2];
+      if (!rim_crossings(rim, m, turn)) continue;
+      for (const double at : turn) {
+        if (within(edge, m, rim.at(at))) found(rim.at(at));
+      }
+    }
+    const Shape& shape = *a.shape;
+    const Vec3d& o = shape.o;
+    const auto on_cone = [&](const auto& form) {
+      const SecondHarmonics around([&](double turn) { return form(shape.back * rim.at(turn)); });
+      around.zeros([&](double turn) { found(rim.at(turn)); });
+    };
+    const auto end = [&](double z) {
+      on_cone([&](const Vec3d& d) {
+        const double x = o.x * d.z + (z - o.z) * d.x, y = o.y * d.z + (z - o.z) * d.y;
+        return d.z * d.z - x * x - y * y;
+      });
+    };
+    switch (shape.solid) {
+      case Solid::sphere:
+        if (shape.inside) break;
+        on_cone([&](const Vec3d& d) {
+          const Vec3d off = cross(o, d);
+          return dot(d, d) - dot(off, off);
+        });
+        break;
+      case Solid::disc:
+        end(0);
+        break;
+      case Solid::cylinder_capped:
+      case Solid::cylinder_open:
+        end(-1);
+        end(1);
+        break;
+      case Solid::plane: {
+        double turn[2];
+        if (!rim_crossings(rim, transposed_times(shape.back, Vec3d{0, 0, 1}), turn)) break;
+        for (const double at : turn) found(rim.at(at));
+        break;
+      }
+      default:
+        break;
+    }
   }
 }
 
@@ -664,20 +704,44 @@ void Blockers::breakpoints(const std::vector<Vec3d>& circles, std::vector<Breakp
     circles_.push_back(unit(cross(emitter_->corner[0], emitter_->corner[3])));
     circles_.push_back(unit(cross(emitter_->corner[1], emitter_->corner[2])));
   }
-  const auto add_edges = [&] {
-    for (const auto& [from, to] : edges_) {
+  const std::vector<Rim> emitter_rim = round ? std::vector<Rim>{emitter_->rim()} : std::vector<Rim>{};
+  // Only what is above the horizon and about the emitter can bend what is seen of it.
+  const double least = emitter_->half_angle < 0.5 * pi ? std::cos(emitter_->half_angle) * (1 - 1e-9) : -1;
+  const auto add = [&](const Vec3d& direction) {
+    if (dot(direction, circles_[0]) <= 0 || dot(direction, emitter_->towards) < least * length(direction)) return;
+    out.push_back({pencil.azimuth(direction), false});
+  };
+
+  outlines_.resize(shapes_.size());
+  for (std::size_t i = 0; i < shapes_.size(); ++i) {
+    const Shape& shape = shapes_[i];
+    Outline& outline = outlines_[i];
+    outline.shape = &shape;
+    outline.edges.clear();
+    outline.rims.clear();
+    edges_of(shape, outline.edges);
+    rims_of(shape, outline.rims);
+    extent_of(shape, out);
+    for (const auto& [from, to] : outline.edges) {
       out.push_back({pencil.azimuth(from), false});
       out.push_back({pencil.azimuth(to), false});
-      if (round) add_rim_crossings(from, to, out);
     }
-  };
-  for (const Shape& shape : shapes_) {
-    extent_of(shape, out);
     if (shape.pierces && emitter_->kind == EmitterView::Kind::sphere) add_cuts(shape, out);
-    edges_.clear();
-    edges_of(shape, edges_);
-    add_edges();
-    if (round) add_rim_crossings(shape, out);
+    crossings_with_rims(outline, emitter_rim, add);
+    for (std::size_t j = 0; j < i; ++j) {
+      crossings_of_edges(outline, outlines_[j], add);
+      crossings_with_rims(outline, outlines_[j].rims, add);
+      for (const Rim& rim : outline.rims) {
+        for (const auto& edge : outlines_[j].edges) {
+          const Vec3d m = cross(edge[0], edge[1]);
+          double turn[2];
+          if (!rim_crossings(rim, m, turn)) continue;
+          for (const double at : turn) {
+            if (within(edge, m, rim.at(at))) add(rim.at(at));
+          }
+        }
+      }
+    }
     for (const Vec3d& normal : circles_) {
       HalfPlane circle;
       complete_frame(normal, circle.a, circle.b);
@@ -692,11 +756,18 @@ void Blockers::breakpoints(const std::vector<Vec3d>& circles, std::vector<Breakp
   }
   constexpr std::size_t few = 16;
   if (triangles_.size() > few) return;
-  edges_.clear();
   for (const Triangle& triangle : triangles_) {
-    for (const int k : {0, 1, 2}) edges_.push_back({triangle.corner[k], triangle.corner[(k + 1) % 3]});
+    for (const int k : {0, 1, 2}) {
+      const std::array<Vec3d, 2> edge{triangle.corner[k], triangle.corner[(k + 1) % 3]};
+      out.push_back({pencil.azimuth(edge[0]), false});
+      const Vec3d m = cross(edge[0], edge[1]);
+      double turn[2];
+      if (!round || !rim_crossings(emitter_rim[0], m, turn)) continue;
+      for (const double at : turn) {
+        if (within(edge, m, emitter_rim[0].at(at))) add(emitter_rim[0].at(at));
+      }
+    }
   }
-  add_edges();
 }
 
 }  // namespace equilux

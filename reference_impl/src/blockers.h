@@ -2,8 +2,8 @@
 //
 // Nothing is sampled. In a half-plane the blocked angles of a shape begin and end where the half-plane's direction touches the shape's
 // outline, meets one of its edges, or meets the curve where the shape pierces the emitter; between two such angles one ray decides. So
-// each scan line is cut exactly, and only the integral across scan lines is left to quadrature. (One exception: where a shape pierces a
-// *sphere* emitter, the curve is found by bisection between 16 rays per stretch.)
+// each scan line is cut exactly, and only the integral across scan lines is left to quadrature. Where its integrand bends (outlines cross
+// each other, the horizon or the emitter's own) is found as well, so that it is smooth between breakpoints almost everywhere.
 #pragma once
 
 #include "emitter_view.h"
@@ -70,14 +70,22 @@ class Blockers {
   struct Triangle {
     Vec3d corner[3];
   };
+  using Rim = EmitterView::Rim;
+  // What a shape looks like from the point: straight edges and round ones.
+  struct Outline {
+    const Shape* shape = nullptr;
+    std::vector<std::array<Vec3d, 2>> edges;
+    std::vector<Rim> rims;
+  };
 
   void outline_angles(const Shape& shape, const HalfPlane& plane, std::vector<double>& out) const;
-  void piercing_angles(const Shape& shape, const HalfPlane& plane, Stretch within, std::vector<double>& out) const;
+  void piercing_angles(const Shape& shape, const HalfPlane& plane, std::vector<double>& out) const;
   bool blocks(const Shape& shape, const Vec3d& direction) const;
   void triangle_gap(const Triangle& triangle, const HalfPlane& plane, Gaps& out) const;
   void edges_of(const Shape& shape, std::vector<std::array<Vec3d, 2>>& out) const;
-  void add_rim_crossings(const Vec3d& from, const Vec3d& to, std::vector<Breakpoint>& out) const;
-  void add_rim_crossings(const Shape& shape, std::vector<Breakpoint>& out) const;
+  void rims_of(const Shape& shape, std::vector<Rim>& out) const;
+  template <class F> void crossings_of_edges(const Outline& a, const Outline& b, const F& found) const;
+  template <class F> void crossings_with_rims(const Outline& a, const std::vector<Rim>& rims, const F& found) const;
   void add_cuts(const Shape& shape, std::vector<Breakpoint>& out) const;
   void extent_of(const Shape& shape, std::vector<Breakpoint>& out) const;
   void tangents(const Vec3d& centre, const Vec3d* columns, int count, std::vector<Breakpoint>& out) const;
@@ -87,7 +95,7 @@ class Blockers {
   std::vector<Triangle> triangles_;
   std::vector<double> angles_;
   std::vector<Vec3d> circles_;
-  std::vector<std::array<Vec3d, 2>> edges_;
+  std::vector<Outline> outlines_;
 };
 
 }  // namespace equilux
