@@ -102,8 +102,8 @@ inline double rule_error(const std::array<double, LobattoRule::nodes>& values) {
   const double last = std::hypot(coefficient[0], coefficient[1]) + floor, before = std::hypot(coefficient[2], coefficient[3]) + floor,
                first = std::hypot(coefficient[4], coefficient[5]) + floor;
   const double ratio = std::max(last / before, before / first);
-  if (ratio > 0.05) return 2 * std::max({last, before / 2, first / 4}) + floor;
-  return 2 * last * 20 * ratio + floor;
+  if (ratio > 0.15) return 2 * std::max({last, before / 2, first / 4}) + floor;
+  return 3 * last * std::min(1.0, 20 * ratio) + floor;
 }
 
 class AdaptiveQuadrature {
