@@ -491,6 +491,16 @@ void Blockers::gaps(const HalfPlane& plane, Stretch within, Gaps& out) {
 
 // --- across half-planes -----------------------------------------------------------------------------------------------
 
+// Only what is above the horizon (or on it) and about the emitter can bend what is seen of it. Where a shape pierces a sphere emitter not
+// all bends are found, and the others fence them in.
+bool Blockers::matters(const Vec3d& direction) const {
+  constexpr double margin = 1e-9;
+  if (pierced_) return true;
+  const double size = length(direction);
+  if (dot(direction, circles_[0]) < -margin * size) return false;
+  return emitter_->half_angle >= 0.5 * pi || dot(direction, emitter_->towards) >= std::cos(emitter_->half_angle) * size - margin * size;
+}
+
 // The half-planes that touch an ellipsoid (three columns) or an ellipse (two): m·centre = ± |Mᵀ m|, m = axis × b(α).
 void Blockers::tangents(const Vec3d& centre, const Vec3d* columns, int count, std::vector<Breakpoint>& out) const {
   const Pencil& pencil = emitter_->pencil;
@@ -514,7 +524,7 @@ void Blockers::tangents(const Vec3d& centre, const Vec3d* columns, int count, st
       if (!(size2 > 0)) continue;
       for (int k = 0; k < count; ++k) contact = contact - columns[k] * (dot(m, columns[k]) * dot(m, centre) / size2);
       const Vec3d b = pencil.zero * std::cos(azimuth) + pencil.quarter * std::sin(azimuth);
-      if (dot(contact, b) >= 0) out.push_back({azimuth, true});
+      if (dot(contact, b) >= 0 && matters(contact)) out.push_back({azimuth, true});
     }
   }
 }
@@ -705,11 +715,8 @@ void Blockers::breakpoints(const std::vector<Vec3d>& circles, std::vector<Breakp
     circles_.push_back(unit(cross(emitter_->corner[1], emitter_->corner[2])));
   }
   const std::vector<Rim> emitter_rim = round ? std::vector<Rim>{emitter_->rim()} : std::vector<Rim>{};
-  // Only what is above the horizon and about the emitter can bend what is seen of it.
-  const double least = emitter_->half_angle < 0.5 * pi ? std::cos(emitter_->half_angle) * (1 - 1e-9) : -1;
   const auto add = [&](const Vec3d& direction) {
-    if (dot(direction, circles_[0]) <= 0 || dot(direction, emitter_->towards) < least * length(direction)) return;
-    out.push_back({pencil.azimuth(direction), false});
+    if (matters(direction)) out.push_back({pencil.azimuth(direction), false});
   };
 
   outlines_.resize(shapes_.size());
@@ -721,12 +728,13 @@ void Blockers::breakpoints(const std::vector<Vec3d>& circles, std::vector<Breakp
     outline.rims.clear();
     edges_of(shape, outline.edges);
     rims_of(shape, outline.rims);
+    pierced_ = shape.pierces && emitter_->kind == EmitterView::Kind::sphere;
     extent_of(shape, out);
     for (const auto& [from, to] : outline.edges) {
-      out.push_back({pencil.azimuth(from), false});
-      out.push_back({pencil.azimuth(to), false});
+      add(from);
+      add(to);
     }
-    if (shape.pierces && emitter_->kind == EmitterView::Kind::sphere) add_cuts(shape, out);
+    if (pierced_) add_cuts(shape, out);
     crossings_with_rims(outline, emitter_rim, add);
     for (std::size_t j = 0; j < i; ++j) {
       crossings_of_edges(outline, outlines_[j], add);
@@ -750,10 +758,11 @@ void Blockers::breakpoints(const std::vector<Vec3d>& circles, std::vector<Breakp
         const HalfPlane half{circle.a, circle.b * turn, circle.normal * turn};
         angles_.clear();
         outline_angles(shape, half, angles_);
-        for (const double angle : angles_) out.push_back({pencil.azimuth(half.direction(angle)), false});
+        for (const double angle : angles_) add(half.direction(angle));
       }
     }
   }
+  pierced_ = false;
   constexpr std::size_t few = 16;
   if (triangles_.size() > few) return;
   for (const Triangle& triangle : triangles_) {

@@ -86,11 +86,13 @@ class Blockers {
   void rims_of(const Shape& shape, std::vector<Rim>& out) const;
   template <class F> void crossings_of_edges(const Outline& a, const Outline& b, const F& found) const;
   template <class F> void crossings_with_rims(const Outline& a, const std::vector<Rim>& rims, const F& found) const;
+  bool matters(const Vec3d& direction) const;
   void add_cuts(const Shape& shape, std::vector<Breakpoint>& out) const;
   void extent_of(const Shape& shape, std::vector<Breakpoint>& out) const;
   void tangents(const Vec3d& centre, const Vec3d* columns, int count, std::vector<Breakpoint>& out) const;
 
   const EmitterView* emitter_ = nullptr;
+  bool pierced_ = false;  // the sphere emitter, by the shape whose breakpoints are being found
   std::vector<Shape> shapes_;
   std::vector<Triangle> triangles_;
   std::vector<double> angles_;

@@ -32,7 +32,7 @@ bool sensitivity(const World& world, const Samples& samples, const GeometricBoun
 bool sensitivity_raytraced(const World& world, const Samples& samples, const GeometricBounds& bounds, double* out, int threads,
                            const Cancel* cancel, const Interrupted& interrupted);
 
-// The same for model reflection_equation. The integrals are evaluated anew at each step, to 1e-5; steps smaller than 1e-3 (of a
+// The same for model reflection_equation. The integrals are evaluated anew at each step, to 1e-6; steps smaller than 1e-4 (of a
 // highlight's width, and of the distance to the nearest emitter) are taken at that size and their effect scaled down, so that the error
 // of the integrals does not drown it. Visibility of the lights without an extent is held; penumbrae move. A sample that sees an emitter
 // gives 0: its radiance is the same all over.

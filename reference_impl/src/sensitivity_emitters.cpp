@@ -25,7 +25,7 @@ struct Held {
 };
 
 // Of the integrals, and least steps: so the integrals' error is a hundredth of the change that is looked for.
-constexpr double error_target = 1e-5, least_step = 1e-3;
+constexpr double error_target = 1e-6, least_step = 1e-4;
 
 double power(double cosine, double exponent) { return cosine > 0 ? std::pow(cosine, exponent) : 0; }
 
