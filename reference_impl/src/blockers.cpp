@@ -79,6 +79,7 @@ void Blockers::gather(const Obstacles& obstacles, const ShadedPoint& point, cons
   emitter_ = &emitter;
   shapes_.clear();
   triangles_.clear();
+  bundles_.clear();
   const Vec3d position = to_double(point.position);
   const double eye_distance = length(position);
 
@@ -159,6 +160,7 @@ void Blockers::gather(const Obstacles& obstacles, const ShadedPoint& point, cons
 
   for (const Obstacles::Cluster& cluster : obstacles.clusters) {
     if (!ball_may_block(cluster.centre - position, cluster.radius, point.normal, emitter)) continue;
+    const std::size_t first = triangles_.size();
     for (std::size_t i = cluster.first; i < cluster.last; ++i) {
       const std::array<Vec3d, 3>& given = obstacles.triangles[i];
       Triangle triangle{{given[0] - position, given[1] - position, given[2] - position}};
@@ -186,6 +188,7 @@ void Blockers::gather(const Obstacles& obstacles, const ShadedPoint& point, cons
       }
       triangles_.push_back(triangle);
     }
+    if (triangles_.size() > first) bundles_.push_back({cluster.centre - position, cluster.radius, first, triangles_.size()});
   }
 }
 
@@ -486,7 +489,10 @@ void Blockers::gaps(const HalfPlane& plane, Stretch within, Gaps& out) {
       from = to;
     }
   }
-  for (const Triangle& triangle : triangles_) triangle_gap(triangle, plane, out);
+  for (const Bundle& bundle : bundles_) {
+    if (std::fabs(dot(plane.normal, bundle.centre)) > bundle.radius || dot(plane.b, bundle.centre) < -bundle.radius) continue;
+    for (std::size_t i = bundle.first; i < bundle.last; ++i) triangle_gap(triangles_[i], plane, out);
+  }
 }
 
 // --- across half-planes -----------------------------------------------------------------------------------------------

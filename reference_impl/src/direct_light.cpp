@@ -133,12 +133,14 @@ Integral DirectLight::over_view(const Reflecting& at, int object, bool diffuse, 
   if (object >= 0 && below_horizon(at)) return {};
   blockers_.gather(obstacles_, at.point, view_, object);
   const bool blocked = !blockers_.empty();
+  quadrature_.expect(1);
   arrange_breakpoints(at, false, specular);
   // What would come unblocked is what the target is relative to.
   Integral whole = quadrature_.integrate_relative(open, ends_, weight, blocked ? 1e-2 : error_target);
   if (blocked) {
     const double target = error_target * weighed(whole.value, weight) + weighed(rounding, weight);
     arrange_breakpoints(at, true, specular);
+    quadrature_.expect(blockers_.burden());
     whole = quadrature_.integrate(seen, ends_, weight, target);
   }
   if (diffuse) whole.error.diffuse += rounding.diffuse;

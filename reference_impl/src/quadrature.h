@@ -110,6 +110,10 @@ class AdaptiveQuadrature {
  public:
   static constexpr int largest_work = 1200;  // panels that are evaluated, 11 scan lines each
 
+  // The work limit of the integrals that follow, where f is `burden` times as much work as usual.
+  void expect(double burden) { work_ = std::max(48, static_cast<int>(largest_work / burden)); }
+
+
   // ∫ f over [ends.front(), ends.back()], ends sorted; f(x) → Terms. Until the error, weighed, is at most `target`.
   template <class F> Integral integrate(const F& f, const std::vector<Breakpoint>& ends, Terms weight, double target) {
     begin(f, ends);
@@ -150,7 +154,7 @@ class AdaptiveQuadrature {
     double settled = 0;  // error of panels that are as narrow as their ends are known: it stays
     for (const Panel& panel : finished_) settled += weighed(panel.error, weight);
     std::make_heap(panels_.begin(), panels_.end());
-    while (error > std::max(target - settled, 0.1 * settled) && !panels_.empty() && evaluated_ < largest_work) {
+    while (error > std::max(target - settled, 0.1 * settled) && !panels_.empty() && evaluated_ < work_) {
       std::pop_heap(panels_.begin(), panels_.end());
       const Panel parent = panels_.back();
       panels_.pop_back();
@@ -222,7 +226,7 @@ class AdaptiveQuadrature {
   }
 
   std::vector<Panel> panels_, finished_;
-  int evaluated_ = 0;
+  int evaluated_ = 0, work_ = largest_work;
 };
 
 }  // namespace equilux
