@@ -27,8 +27,8 @@ class Tracer:
 
     case: what to render. precision: "exact" is double and double-double (phong.h says how many digits that leaves).
     error_target: in (0, 1), asked of the integrals of model reflection-equation: at each sample, the error of what each emitter
-    adds to its brightest band, relative to that with nothing in between. There is a work limit; channel `quadrature` says what was
-    reached.
+    adds to its brightest band, relative to that with nothing in between. There is a work limit: channel `quadrature` says what
+    was reached.
     Raises TracerError for a scene whose sizes or distances (beyond 1e60 m) or transform (singular) cannot be computed with.
     """
 
