@@ -10,8 +10,6 @@ from cyclopts import App, Parameter
 
 from equilux.cli import inputs
 from equilux.complaint import BadUsage
-from equilux_scenes.photometry import K_M, k_m_text
-from equilux_scenes.units import UNITS, dumped_as_written, dumped_in_bands, worked_out, written_strengths
 
 Json = Annotated[bool, Parameter(name="--json", negative="")]
 Limit = Annotated[tuple[str, ...], Parameter(name="--limit", negative="")]
@@ -70,6 +68,9 @@ def show(scene: str, /, *, json: Json = False, limit: Limit = ()) -> int:
     limit
         Raise a limit on specs, NAME=VALUE.
     """
+    from equilux_scenes.photometry import K_M, k_m_text
+    from equilux_scenes.units import UNITS, dumped_as_written, worked_out, written_strengths
+
     (found,) = inputs.load([_scene_path(scene, limit)], limit, as_json=json)
     resolved, bands = dumped_as_written(found.scene), worked_out(found.scene)
     requires = sorted({feature for case in found.cases for feature in case.requires})
@@ -131,6 +132,8 @@ def expand(*scenes: Path, json: Json = False, limit: Limit = ()) -> int:
     limit
         Raise a limit on specs, NAME=VALUE.
     """
+    from equilux_scenes.units import dumped_in_bands, written_strengths
+
     loaded = inputs.load(scenes, limit, as_json=json)
     cases = [case for found in loaded for case in found.cases]
     if json:

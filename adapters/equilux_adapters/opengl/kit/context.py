@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ctypes
 import os
+from collections.abc import Callable
 from functools import cache
 from typing import Any
 
@@ -29,10 +30,12 @@ def started() -> dict[str, str]:
 
 
 def current() -> bool:
-    """Whether there is a context already."""
-    from OpenGL import platform
+    """Whether there is a context already, and one that has the fixed-function API: another library's may be dead or without it."""
+    from OpenGL import GL, platform
 
-    return bool(platform.GetCurrentContext())
+    if not platform.GetCurrentContext() or GL.glGetString(GL.GL_VERSION) is None:
+        return False
+    return not int(GL.glGetIntegerv(GL.GL_CONTEXT_PROFILE_MASK)) & GL.GL_CONTEXT_CORE_PROFILE_BIT
 
 
 def why_not(platform: str) -> str:
@@ -86,6 +89,19 @@ def osmesa_context() -> None:
     context = osmesa.OSMesaCreateContextExt(GL.GL_RGBA, 24, 0, 0, None)
     if not osmesa.OSMesaMakeCurrent(context, KEPT, GL.GL_UNSIGNED_BYTE, 8, 8):
         raise RuntimeError("OSMesa made no context current")
+
+
+def keeper(window: str) -> Callable[[], None]:
+    """Makes the context that is now current so again, whatever other libraries of the process have done meanwhile."""
+    if window == "EGL":
+        from OpenGL import EGL
+
+        display, context = EGL.eglGetCurrentDisplay(), EGL.eglGetCurrentContext()
+        return lambda: EGL.eglMakeCurrent(display, EGL.EGL_NO_SURFACE, EGL.EGL_NO_SURFACE, context)
+    from OpenGL import GL, osmesa
+
+    kept = osmesa.OSMesaGetCurrentContext()
+    return lambda: osmesa.OSMesaMakeCurrent(kept, KEPT, GL.GL_UNSIGNED_BYTE, 8, 8)
 
 
 KEPT = (ctypes.c_ubyte * (4 * 8 * 8))()
