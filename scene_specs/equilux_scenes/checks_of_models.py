@@ -60,12 +60,9 @@ def _what_refracts_is_closed(scene: SimpleNamespace, node: MapNode, context: Con
 
 
 def _bending_ior(material: Node) -> str | None:
-    """How the index of a material that lets light through is written, if it is not 1."""
-    if not isinstance(material, MapNode):
-        return None
-    ior, transparency = material.entries.get("ior"), material.entries.get("transparency")
-    bends = _number(ior, 1.0) != 1 and _number(transparency, 0.0) > 0
-    return shown(ior) if bends and ior is not None else None
+    """How a material's index is written, if it is not 1: whatever the transparency, it is an index of what lies behind."""
+    ior = material.entries.get("ior") if isinstance(material, MapNode) else None
+    return shown(ior) if ior is not None and _number(ior, 1.0) != 1 else None
 
 
 def _not_closed(obj: MapNode, context: Context) -> str | None:

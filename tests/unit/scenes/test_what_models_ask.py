@@ -253,10 +253,17 @@ def test_a_closed_shape_may_refract(load: Load, name: str) -> None:
     assert load(traced(CLOSED[name])).warnings == ()
 
 
-@pytest.mark.parametrize("material", ["ior: 1.5", "ior: 1.5, transmission: 1", "ior: 1, transparency: 0.5, transmission: 1"])
-def test_an_open_shape_may_have_an_index_that_bends_nothing(load: Load, material: str) -> None:
-    disc = "  - {kind: disc, center: [0, 0, 0], normal: [0, 1, 0], radius: 1, material: m}\n"
-    assert load(spec("raytraced", material=material, objects=disc)).warnings == ()
+DISC = "  - {kind: disc, center: [0, 0, 0], normal: [0, 1, 0], radius: 1, material: m}\n"
+
+
+def test_an_open_shape_may_be_transparent_with_index_1(load: Load) -> None:
+    assert load(spec("raytraced", material="ior: 1, transparency: 0.5, transmission: 1", objects=DISC)).warnings == ()
+
+
+@pytest.mark.parametrize("material", ["ior: 1.5", "ior: 1.5, transmission: 1"])
+def test_an_open_shape_has_no_other_index_even_where_it_is_opaque(only_error: Only, material: str) -> None:
+    message = only_error(spec("raytraced", material=material, objects=DISC.replace("{kind", "«{kind")))
+    assert "got ior 1.5 of material 'm', allowed ior 1 (a disc encloses nothing" in message, message
 
 
 def test_a_mesh_that_refracts_and_faces_inwards_is_warned_of(load: Load) -> None:
