@@ -13,6 +13,7 @@ from typing import Any
 
 STYLE = """
 .brdf{font:11px system-ui,sans-serif;fill:none}
+.brdf .paper{fill:light-dark(#fff,#1a1c1f);stroke:none}
 .brdf text{fill:var(--ink,#17191c);stroke:none}
 .brdf .muted{fill:var(--muted,#5d6269)}
 .brdf .grid{stroke:var(--line,#dedfda)}
@@ -21,6 +22,7 @@ STYLE = """
 .brdf .head{fill:var(--expected,#8a5a00)}
 .brdf .mirror{stroke:var(--muted,#5d6269);stroke-dasharray:2 3}
 .brdf .one{stroke:var(--unexpected,#c0201f);stroke-dasharray:4 3}
+.brdf .said{font-size:10px}
 .brdf .curve{stroke-width:1.8;stroke-linejoin:round}
 .brdf .all{stroke:var(--ink,#17191c)}
 .brdf .r{stroke:light-dark(#c22f2f,#ff8a80)}
@@ -41,7 +43,7 @@ class Curve:
 
 def polar_plot(curves: Sequence[Curve], title: str, *, style: str = STYLE) -> str:
     """f_r in the plane of incidence as distance from the point of reflection, 1/sr; the light comes from the left."""
-    width, height, radius, cx, cy = 360, 226, 160.0, 180.0, 196.0
+    width, height, radius, cx, cy = 360, 226, 150.0, 180.0, 196.0
     top = _nice(max(value for curve in curves for value in curve.study["curve"]))
     scale = radius / top
     theta = math.radians(curves[0].study["theta_i_deg"])
@@ -62,12 +64,13 @@ def polar_plot(curves: Sequence[Curve], title: str, *, style: str = STYLE) -> st
         parts.append(f'<polyline class="curve {curve.band}" points="{points}"><title>{_BANDS[curve.band]}</title></polyline>')
     caption = f"f_r, 1/sr, light at {curves[0].study['theta_i_deg']:g}° from the normal"
     parts.append(f'<text class="muted" x="{cx}" y="{height - 3}" text-anchor="middle">{caption}</text>')
+    parts.append(_coefficients(curves))
     return "".join(parts) + "</svg>"
 
 
 def reflectance_plot(curves: Sequence[Curve], title: str, *, style: str = STYLE) -> str:
     """ρ over the angle of incidence; the dashed line is 1, above which more light leaves than arrives."""
-    width, height, left, right, top_y, bottom = 360, 226, 38.0, 350.0, 12.0, 182.0
+    width, height, left, right, top_y, bottom = 360, 226, 38.0, 350.0, 46.0, 182.0
     largest = max(value for curve in curves for value in curve.study["rho"])
     top = max(_nice(min(largest, 4.0)), 1.0)
     parts = [_head(width, height, title, style)]
@@ -90,13 +93,26 @@ def reflectance_plot(curves: Sequence[Curve], title: str, *, style: str = STYLE)
     parts.append(
         f'<text class="muted" x="{(left + right) / 2}" y="{height - 8}" text-anchor="middle">ρ(θ_i){beyond}; dashed: 1</text>'
     )
+    parts.append(_coefficients(curves))
     return "".join(parts) + "</svg>"
+
+
+def _coefficients(curves: Sequence[Curve]) -> str:
+    """Kind, K_diff, K_spec and p, one line for each curve: a plot that is mailed on says what it is of."""
+    lines = []
+    for row, curve in enumerate(curves):
+        brdf = curve.study["brdf"]
+        said = f"{brdf['kind']}  K_diff {brdf['diffuse']:g}  K_spec {brdf['specular']:g}  p {brdf['exponent']:g}"
+        band = "" if curve.band == "all" else f"{_BANDS[curve.band]}  "
+        lines.append(f'<text class="said" x="356" y="{11 + 13 * row}" text-anchor="end">{escape(band + said)}</text>')
+    return "".join(lines)
 
 
 def _head(width: int, height: int, title: str, style: str) -> str:
     return (
         f'<svg class="brdf" xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {height}" width="{width}" role="img" '
-        f'aria-label="{escape(title, quote=True)}"><title>{escape(title)}</title>' + (f"<style>{style}</style>" if style else "")
+        f'aria-label="{escape(title, quote=True)}"><title>{escape(title)}</title>'
+        + (f'<style>{style}</style><rect class="paper" width="{width}" height="{height}"/>' if style else "")
     )
 
 

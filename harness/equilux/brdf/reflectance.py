@@ -7,13 +7,15 @@ Lambert: π K_diff. The Phong lobe about R, clipped by the horizon, with α the 
          = 2 (φ₀ cosθ cosα + sinθ sinα sinφ₀)               elsewhere, φ₀ = arccos(−cotθ cotα)
 
 (the integral over the ring's azimuth done in closed form). phong-cosine: ρ = π K_diff + K_spec J; phong-classic: K_spec J / cosθ.
-At normal incidence J = 2π/(p+2). The half-vector lobe has dω_r = 4 (L·H) dω_H and is integrated over H in two dimensions.
+At normal incidence J = 2π/(p+2). The half-vector lobe has
+dω_r = 4 (L·H) dω_H and is integrated over H in two dimensions, exactly to the horizon.
 Each value comes with the difference of two orders of quadrature as its estimated error.
 """
 
 from __future__ import annotations
 
 from functools import lru_cache
+from itertools import pairwise
 
 import numpy as np
 import numpy.typing as npt
@@ -21,7 +23,7 @@ import numpy.typing as npt
 from equilux.brdf.lobes import Brdf, Floats
 
 _ORDERS = (48, 96)
-_HALF_ORDERS = ((64, 96), (128, 192))
+_HALF_ORDERS = ((32, 32), (64, 64))
 
 
 def reflectance(brdf: Brdf, theta_i_rad: npt.ArrayLike) -> tuple[Floats, Floats]:
@@ -76,17 +78,40 @@ def _ring(theta: Floats, cos_a: Floats) -> Floats:
 
 
 def _half_vector_lobe(theta: Floats, exponent: float, polar_order: int, azimuth_order: int) -> Floats:
-    """∫ (N·H)^p (N·V) dω_V over V above the surface, (n,); over H with x = cos^{p+1} of its angle to N."""
-    polar, polar_weights = _gauss(polar_order)
+    """∫ max(0, N·H)^p (N·V) dω_V over V above the surface, (n,).
+
+    V is above where 2 (L·H)(N·H) > N·L. With u the angle of H to N and φ about it, that is a stretch of φ from 0 (and its mirror
+    image) whose end is known, so that each integral is over a smooth function; u runs to where the stretch vanishes, split where
+    it stops being the whole turn.
+    """
     azimuth, azimuth_weights = _gauss(azimuth_order)
-    t, jacobian = polar**2 * (3 - 2 * polar), 6 * polar * (1 - polar)
-    cos_h = (t ** (1 / (exponent + 1)))[:, None]
-    sin_h = np.sqrt(np.maximum(0.0, 1 - cos_h**2))
-    phi = np.pi * azimuth[None, :]  # the other half is its mirror image
+    nodes, weights = _gauss(polar_order)
     total = np.empty(len(theta))
     for i, angle in enumerate(theta):
-        along = np.sin(angle) * sin_h * np.cos(phi) + np.cos(angle) * cos_h  # L·H
-        cos_out = 2 * along * cos_h - np.cos(angle)
-        ring = np.where((along > 0) & (cos_out > 0), 4 * along * cos_out, 0.0) @ (2 * np.pi * azimuth_weights)
-        total[i] = np.sum(ring * jacobian * polar_weights) / (exponent + 1)
+        # cos_out at φ = 0 is cos(2u − θ) and at φ = π it is cos(2u + θ)
+        cuts = (0.0, (np.pi / 2 - angle) / 2, (np.pi / 2 + angle) / 2)
+        # for a sharp lobe most of it lies near 0: the first stretch is cut once more where u^2 p = 30
+        near = min(cuts[1], np.sqrt(30 / (exponent + 1)))
+        far = min(cuts[2], max(near, np.sqrt(60 / (exponent + 1))))
+        ends = sorted({0.0, near, cuts[1], far, cuts[2]})
+        total[i] = sum(_half_band(angle, exponent, a, b, (nodes, weights), (azimuth, azimuth_weights)) for a, b in pairwise(ends))
     return total
+
+
+def _half_band(
+    theta: float, exponent: float, low: float, high: float, polar: tuple[Floats, Floats], azimuth: tuple[Floats, Floats]
+) -> float:
+    """The part of `_half_vector_lobe` with u in [low, high]; ends are smoothed, the roots of the stretch's end sit there."""
+    t, t_weights = polar
+    u = (low + (high - low) * t**2 * (3 - 2 * t))[:, None]
+    du = (high - low) * 6 * t * (1 - t) * t_weights
+    cos_u, sin_u = np.cos(u), np.sin(u)
+    level, swing = np.cos(theta) * cos_u, np.sin(theta) * sin_u  # L·H = level + swing cosφ
+    needed = np.cos(theta) / (2 * cos_u)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        end = np.arccos(np.clip(np.where(swing > 0, (needed - level) / swing, np.where(level >= needed, -1.0, 1.0)), -1.0, 1.0))
+    s, s_weights = azimuth
+    phi = end * s[None, :]
+    along = level + swing * np.cos(phi)
+    ring = 2 * end[:, 0] * ((4 * along * np.maximum(0.0, 2 * along * cos_u - np.cos(theta))) @ s_weights)
+    return float(np.sum(ring * cos_u[:, 0] ** exponent * sin_u[:, 0] * du))

@@ -75,6 +75,8 @@ def brdf(
     wrong = [f"{name}: got {value:g}, allowed a finite number ≥ 0" for name, value in coefficients.items() if not _allowed(value)]
     if wrong:
         raise BadUsage(*wrong)
+    if "lambert" in kinds and specular:
+        raise BadUsage(f"--specular: got {specular:g} with --kind lambert, which has no highlight; allowed 0")
     if out.exists() and not out.is_dir():
         raise BadUsage(f"--out: got '{out}', which is a file, allowed a folder")
     if scenes:
@@ -124,12 +126,17 @@ def _of_scenes(
 
     from equilux.brdf import brdf_of
 
+    seen: set[tuple[str, str, tuple[Brdf, ...]]] = set()
     for file in inputs.load(paths, limit, as_json=as_json):
         for case in file.cases:
             for name in dict.fromkeys(obj.material for obj in case.scene.objects):
                 bands = [brdf_of(case.scene.materials[name], case.scene, band) for band in range(3)]
                 for kind in kinds or (bands[0].kind,):
-                    yield _subject(f"{case.name}-{name}-{kind}", [replace(band, kind=kind) for band in bands], theta_i_deg)
+                    bare = {"specular": 0.0} if kind == "lambert" else {}
+                    alike = tuple(replace(band, kind=kind, **bare) for band in bands)
+                    if (file.scene.name, name, alike) not in seen:  # a sweep repeats the materials that it does not touch
+                        seen.add((file.scene.name, name, alike))
+                        yield _subject(f"{case.name}-{name}-{kind}", list(alike), theta_i_deg)
 
 
 def _subject(name: str, bands: list[Brdf], theta_i_deg: float) -> _Subject:
@@ -140,7 +147,7 @@ def _subject(name: str, bands: list[Brdf], theta_i_deg: float) -> _Subject:
 
 
 def _write(subjects: list[_Subject], out: Path) -> None:
-    from urllib.parse import quote
+    import re
 
     from equilux.wholefile import whole_file, write_json
     from equilux_report.brdfplots import Curve, polar_plot, reflectance_plot
@@ -149,7 +156,7 @@ def _write(subjects: list[_Subject], out: Path) -> None:
         out.mkdir(parents=True, exist_ok=True)
         for subject in subjects:
             curves = [Curve(band, one.to_json()) for band, one in subject.studies.items()]
-            stem = quote(subject.name, safe="[]=, .")
+            stem = re.sub(r"[^A-Za-z0-9.=,_-]", "_", subject.name)
             for suffix, plot in (("", polar_plot), ("-reflectance", reflectance_plot)):
                 with whole_file(out / f"{stem}{suffix}.svg") as path:
                     path.write_text(plot(curves, subject.name), encoding="utf-8")

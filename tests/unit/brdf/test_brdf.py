@@ -47,6 +47,12 @@ def test_at_normal_incidence_the_lobe_reflects_two_pi_over_p_plus_two(exponent):
     assert rho == pytest.approx(2 * np.pi / (exponent + 2), rel=1e-10), f"{rho} and {2 * np.pi / (exponent + 2)}, ± {error}"
 
 
+@pytest.mark.parametrize("theta_deg", [0.0, 30.0, 80.0])
+def test_with_exponent_0_the_half_vectors_lobe_is_one_over_cosine_everywhere(theta_deg):
+    rho = float(reflectance(Brdf("half-vector", 0.0, 0.3, 0.0), np.radians(theta_deg))[0])
+    assert rho == pytest.approx(0.3 * np.pi / np.cos(np.radians(theta_deg)), rel=1e-12), f"{rho}"
+
+
 @pytest.mark.parametrize("theta_deg", ANGLES_DEG)
 def test_the_classic_lobe_reflects_one_over_cosine_times_the_lectures(theta_deg):
     theta = np.radians(theta_deg)
