@@ -7,14 +7,22 @@ import numpy as np
 from equilux.adapter import Bound, Budget, RawRender, Reading
 
 
+NO_DIGIT = 1e30
+"""W/(m²·sr). Between curved mirrors a bound grows with every bounce, beyond all numbers in the end: it then says nothing, and this
+stands for it, because a budget holds finite numbers only."""
+
+
 def read(raw: RawRender) -> Reading:
     """(h, w, 3) float64, row 0 on top: nothing is rounded on the way."""
     image = np.load(raw.files["radiance"], allow_pickle=False)
+    rounding = np.load(raw.files["rounding"], allow_pickle=False)
+    lost = ~(rounding <= NO_DIGIT)
     arithmetic = Bound(
         "arithmetic",
         "rounding of the shading in double precision, per pixel, term by term (derived in reference_impl/src/phong.h, opengl.h "
-        "and raytraced.h); the geometry is found in double-double, and what many reflections make of that is included (spread.h)",
-        abs=np.load(raw.files["rounding"], allow_pickle=False),
+        "and raytraced.h); the geometry is found in double-double, and what many reflections make of that is included (spread.h)"
+        + _said_of_lost(int(lost.any(axis=2).sum())),
+        abs=np.where(lost, NO_DIGIT, rounding),
     )
     error = np.load(raw.files["quadrature"], allow_pickle=False)
     if not error.any():
@@ -26,3 +34,7 @@ def read(raw: RawRender) -> Reading:
         abs=error,
     )
     return Reading(image, Budget((arithmetic, quadrature)))
+
+
+def _said_of_lost(pixels: int) -> str:
+    return f"; of {pixels} pixels it cannot vouch for a single digit, and says {NO_DIGIT:g}" if pixels else ""
