@@ -30,7 +30,7 @@ def started() -> dict[str, str]:
 
 
 def current() -> bool:
-    """Whether there is a context already, and one that has the fixed-function API: another library's may be dead or without it."""
+    """Whether there is a context already, and one that has the fixed-function API; another library's may not."""
     from OpenGL import GL, platform
 
     if not platform.GetCurrentContext() or GL.glGetString(GL.GL_VERSION) is None:
