@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from functools import cache
 
 import numpy as np
@@ -26,7 +27,7 @@ from support.mitsuba import (
     verdict_line,
     without_ambient,
 )
-from support.random_scenes import case_of, random_spec
+from support.random_scenes import Spec, case_of, random_spec
 
 CONTACT = """
 equilux: 1
@@ -108,6 +109,57 @@ def test_random_scenes_under_emitters_agree_and_their_residuals_scatter_as_state
     assert abs(found.var() - expected) < allowed, f"variance {found.var()} of {count} residuals, expected {expected} ± {allowed}"
     allowed = 4 * np.sqrt(expected / count)
     assert abs(found.mean()) < allowed, f"mean {found.mean()} of {count} residuals, expected 0 ± {allowed}"
+
+
+def world(metre: float) -> Spec:
+    """Every kind of length there is, in a scene whose metres are `metre` long; it looks the same whatever that is."""
+
+    def at(*lengths: float) -> list[float]:
+        return [metre * length for length in lengths]
+
+    def clay(kind: str, **shape: object) -> Spec:
+        return {"kind": kind, "material": "clay"} | shape
+
+    stretch = [[1, 0, 0, 0.8 * metre], [0, 0.5, 0, 0.3 * metre], [0, 0, 1, 0.2 * metre], [0, 0, 0, 1]]
+    per_metre, edges = 1 / metre, {"edge_u": at(0.5, 0, 0), "edge_v": at(0, 0, 0.4)}
+    return {
+        "equilux": 1,
+        "name": "world",
+        "model": "reflection-equation",
+        "camera": {"projection": "perspective", "eye": at(1, 2, 4), "target": at(0, 0, 0), "fov_y_deg": 35},
+        "film": {"width": 12, "height": 9},
+        "lights": {
+            "ball": {"kind": "sphere", "center": at(-1, 2, 1), "radius": 0.3 * metre, "radiance": 4},
+            "disc": {"kind": "disc", "center": at(1, 2, 1), "normal": [-1, -2, -1], "radius": 0.3 * metre, "radiance": 3},
+            "panel": {"kind": "rectangle", "corner": at(0, 2, -1), **edges, "radiance": 5},
+            "point": {"kind": "point", "position": at(2, 2, 0), "intensity": 3 * metre**2},
+            "bulb": {"kind": "point", "position": at(0, 2, 2), "intensity": 1, "attenuation": {"linear": per_metre}},
+            "spot": {
+                "kind": "spot", "position": at(-2, 2, 0), "direction": [2, -2, 0], "intensity": 3, "cone_half_angle_deg": 40,
+                "exponent": 2, "attenuation": {"constant": 1, "linear": per_metre, "quadratic": per_metre**2},
+            },
+        },
+        "materials": {"clay": {"diffuse": 0.3, "specular": 0.2, "exponent": 9}},
+        "objects": [
+            clay("plane", point=at(0, -0.5, 0), normal=[0, 1, 0]),
+            clay("sphere", center=at(0, 0, 0), radius=0.3 * metre, transform=[{"translate": at(-0.7, 0, 0.2)}]),
+            clay("sphere", center=at(0, 0, 0), radius=0.3 * metre, transform=[{"matrix": stretch}]),
+            clay("box", min=at(-0.2, -0.5, -0.2), max=at(0.2, -0.1, 0.2)),
+            clay("disc", center=at(-0.3, -0.2, 1), normal=[0.3, 1, 0.2], radius=0.2 * metre),
+            clay("rectangle", corner=at(0.4, -0.3, 0.6), edge_u=at(0, 0, 0.4), edge_v=at(0.4, 0, 0)),
+            clay("cylinder", base=at(0.1, -0.1, 0), top=at(0.1, 0.3, 0), radius=0.1 * metre),
+            clay("mesh", vertices=[at(-0.3, -0.4, 0.5), at(0.1, -0.4, 0.5), at(-0.1, 0.1, 0.4)], faces=[[0, 1, 2]]),
+        ],
+    }  # fmt: skip
+
+
+@pytest.mark.parametrize("metre", [1e-9, 1e-6, 1.0, 1e6, 1e9])
+def test_a_world_of_any_size_agrees_with_the_truth(metre, tmp_path):
+    case = case_of_text(json.dumps(world(metre)))
+    result, tracer = run(case, tmp_path, samples=12), Tracer(case)
+    pair = against(tracer.render()["radiance"], result, tracer)
+    assert pair.json["verdict"] == "agree", verdict_line(result, pair)
+    assert pair.json["edge"] < 0.5 * result.image[..., 0].size, verdict_line(result, pair)
 
 
 def test_a_picture_is_neither_mirrored_nor_turned(tmp_path):

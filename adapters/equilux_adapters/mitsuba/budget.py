@@ -1,6 +1,6 @@
 """The uncertainty budget of a script's picture. u = 2^-24, half a unit in the last place of single precision.
 
-Constants are derived, not fitted: each says from what; tests show that none is exceeded.
+Constants are derived, not fitted: each says from what; tests show that none is exceeded. Lengths are in the script's unit.
 """
 
 from __future__ import annotations
@@ -55,7 +55,7 @@ def facts_of(case: Case) -> dict[str, Any]:
     scene = case.scene
     cones = [light.cone_half_angle_deg for light in scene.lights.values() if isinstance(light, SpotLight)]
     return {
-        "reach_m": reach_of(case),
+        "reach": reach_of(case),
         "delta_lights": [_delta(light) for light in scene.delta_lights.values()],
         "emitters": [_extended(light) for light in scene.lights.values() if isinstance(light, Emitter)],
         "environment": list(scene.environment.radiance) if scene.environment else [0.0, 0.0, 0.0],
@@ -155,13 +155,13 @@ class _Seen:
         view = facts["view"]
         away = np.linalg.norm(self.position - view["eye"], axis=-1)
         self.away = np.where(self.is_object, away, math.inf)
-        self.position_m = POSITION_ROUNDINGS * U * np.maximum(largest, facts["reach_m"])
+        self.misplaced = POSITION_ROUNDINGS * U * np.maximum(largest, facts["reach"])
         # seen at a grazing angle, an error across the ray moves the point along it by 1/cos as much
-        slide = self.position_m / np.maximum(_known(picture["facing"]), math.sqrt(U))
-        of_corners = 2 * U * facts["reach_m"] * of_surface("thinness")
+        slide = self.misplaced / np.maximum(_known(picture["facing"]), math.sqrt(U))
+        of_corners = 2 * U * facts["reach"] * of_surface("thinness")
         self.normal = DIRECTION_ROUNDINGS * U + slide * of_surface("curvature") + of_corners
-        self.pixels_per_m = view["pixels_per_unit"] / (1.0 if view["parallel"] else self.away)
-        self.shadow_px = np.where(self.is_object, RAY_EPSILON * (1 + largest) * STEEPEST * self.pixels_per_m, 0.0)
+        self.pixels_per_length = view["pixels_per_unit"] / (1.0 if view["parallel"] else self.away)
+        self.shadow_px = np.where(self.is_object, RAY_EPSILON * (1 + largest) * STEEPEST * self.pixels_per_length, 0.0)
 
 
 def _of_cosines(facts: Mapping[str, Any], seen: _Seen) -> Floats:
@@ -176,9 +176,9 @@ def _of_cosines(facts: Mapping[str, Any], seen: _Seen) -> Floats:
         else:
             away = np.maximum(np.linalg.norm(seen.position - light["position"], axis=-1), np.finfo(float).tiny)
             strength = 1 / (constant + away * (linear + away * quadratic))
-        turn = seen.normal + DIRECTION_ROUNDINGS * U + seen.position_m / away
-        turn_of_lobe = np.minimum(seen.exponent * (2 * turn + seen.position_m / seen.away), 1.0)
-        nearer = (2 + light["exponent"]) * (seen.position_m / away + DIRECTION_ROUNDINGS * U * (light["exponent"] > 0))
+        turn = seen.normal + DIRECTION_ROUNDINGS * U + seen.misplaced / away
+        turn_of_lobe = np.minimum(seen.exponent * (2 * turn + seen.misplaced / seen.away), 1.0)
+        nearer = (2 + light["exponent"]) * (seen.misplaced / away + DIRECTION_ROUNDINGS * U * (light["exponent"] > 0))
         effect = seen.diffuse * (turn + nearer)[..., None] + seen.specular * (turn_of_lobe + turn + nearer)[..., None]
         total += effect * strength[..., None] * light["strength"]
     for light in facts["emitters"]:
@@ -225,7 +225,7 @@ def _film_px(facts: Mapping[str, Any], seen: _Seen) -> float:
     """How far a silhouette, a hard shadow or the border of a cone may be displaced on the film."""
     view = facts["view"]
     scale = view["pixels_per_unit"]
-    shown = np.where(seen.is_object, seen.position_m * seen.pixels_per_m, 0.0)
+    shown = np.where(seen.is_object, seen.misplaced * seen.pixels_per_length, 0.0)
     rays = float(np.max(shown, initial=0.0)) + (0.0 if view["parallel"] else DIRECTION_ROUNDINGS * U * scale)
     horizon = scale / PLANE_RADIUS if facts["plane"] and not view["parallel"] else 0.0
     shadows = float(np.max(seen.shadow_px, initial=0.0)) if facts["occlusion"] and facts["delta_lights"] else 0.0
@@ -238,4 +238,4 @@ def _cone_px(facts: Mapping[str, Any], seen: _Seen) -> float:
         return 0.0
     angle = DIRECTION_ROUNDINGS * U / facts["sine_of_cone"]
     spots = [np.linalg.norm(seen.position - light["position"], axis=-1) for light in facts["delta_lights"] if light["position"]]
-    return max(float(np.max(np.where(seen.is_object, angle * away * seen.pixels_per_m, 0.0), initial=0.0)) for away in spots)
+    return max(float(np.max(np.where(seen.is_object, angle * away * seen.pixels_per_length, 0.0), initial=0.0)) for away in spots)

@@ -1,4 +1,4 @@
-"""How well single precision knows a scene's geometry: what the budget's terms are made from."""
+"""How well single precision knows a scene's geometry: what the budget's terms are made from. Lengths are the case's."""
 
 from __future__ import annotations
 
@@ -34,12 +34,14 @@ Floats = npt.NDArray[np.float64]
 
 
 def reach_of(case: Case) -> float:
-    """The largest coordinate of anything that has a place, metres; a plane counts by the foot of the eye on it."""
-    scene = case.scene
-    found = [_largest(np.array([scene.camera.eye]))]
-    found += [_reach_of_light(light) for light in scene.lights.values()]
-    found += [_reach_of_object(case, index, obj) for index, obj in enumerate(scene.objects)]
-    return max(found) or 1.0
+    """The largest coordinate of anything that has a place; a plane counts by the foot of the eye on it."""
+    return max([extent_of(case), *(_reach_of_light(light) for light in case.scene.lights.values())]) or 1.0
+
+
+def extent_of(case: Case) -> float:
+    """Likewise of the eye and of all objects, wherever the lights are; may be 0."""
+    found = [_largest(np.array([case.scene.camera.eye]))]
+    return max(found + [_reach_of_object(case, index, obj) for index, obj in enumerate(case.scene.objects)])
 
 
 def _reach_of_light(light: Light) -> float:
@@ -53,7 +55,7 @@ def _reach_of_light(light: Light) -> float:
 
 
 def enclosure_of(light: Emitter) -> tuple[list[float] | None, float]:
-    """Centre (None of the environment) and radius, metres, of a sphere around an emitter."""
+    """Centre (None of the environment) and radius of a sphere around an emitter."""
     if isinstance(light, SphereEmitter | DiscEmitter):
         return list(light.center), light.radius
     if isinstance(light, RectangleEmitter):
@@ -94,7 +96,7 @@ def _largest(points: Floats) -> float:
 
 
 def curvature_of(case: Case, index: int) -> float:
-    """How fast the shading normal turns with the point, at most, 1/m: what makes an error of position one of the normal.
+    """How fast the shading normal turns with the point, at most, per length: what makes an error of position one of the normal.
 
     Of an ellipsoid with semi-axes a ≥ b ≥ c it is a/c².
     """
@@ -110,7 +112,7 @@ def curvature_of(case: Case, index: int) -> float:
 
 
 def thinness_of(case: Case, index: int) -> float:
-    """1/m: one over the least height of a mesh's triangles shaded flat, whose normals come from rounded corners; else 0."""
+    """Per length: one over the least height of a mesh's triangles shaded flat, their normals from rounded corners; else 0."""
     if not isinstance(case.scene.objects[index], Mesh):
         return 0.0
     mesh = mesh_in_world(case, index)

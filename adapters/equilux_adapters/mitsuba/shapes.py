@@ -26,7 +26,7 @@ def mesh_file(index: int) -> str:
 
 
 def entries(case: Case, index: int, bsdf: str, reach: float) -> Iterator[tuple[str, str]]:
-    """(name, dictionary) of each of Mitsuba's shapes that make up one object; bsdf: a Python name. reach: metres."""
+    """(name, dictionary) of each of Mitsuba's shapes that make up one object; bsdf: a Python name. reach: of the scene."""
     obj = case.scene.objects[index]
     placed = matrix(obj)
     name, surface = f"object_{index}", f'"bsdf": {bsdf}'
@@ -83,7 +83,7 @@ def similarity(placed: Floats) -> float | None:
 
 
 def plane_in_world(obj: Plane) -> tuple[Floats, Floats]:
-    """A point, metres, and the unit normal."""
+    """A point and the unit normal."""
     placed = matrix(obj)
     normal = np.linalg.inv(placed[:3, :3]).T @ unit(obj.normal)
     return placed[:3, :3] @ obj.point + placed[:3, 3], normal / np.linalg.norm(normal)

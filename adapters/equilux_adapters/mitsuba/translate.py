@@ -14,6 +14,7 @@ from equilux_adapters.mitsuba.lights import emitter
 from equilux_adapters.mitsuba.shapes import entries, mesh_file, mesh_in_world, ply
 from equilux_adapters.mitsuba.source import kit_source
 from equilux_adapters.mitsuba.text import comment, number, triple
+from equilux_adapters.mitsuba.unit import in_units, units_per_metre
 from equilux_scenes.model import DeltaLight, Material, Scene
 
 ENTRY = "scene.py"
@@ -24,28 +25,31 @@ def translate(case: Case, knobs: MitsubaKnobs) -> Program:
     missing = [feature for feature in case.demands if feature not in CAPABILITIES or CAPABILITIES[feature].level == "none"]
     if missing:
         raise Unsupported(missing, f"Mitsuba cannot express {', '.join(missing)}")
-    files = {ENTRY: script(case, knobs).encode()}
+    units = units_per_metre(case)
+    case = in_units(case, units)
+    files = {ENTRY: script(case, knobs, units).encode()}
     files |= {mesh_file(index): ply(mesh_in_world(case, index)) for index in case.meshes}
     return Program(files, ENTRY, facts_of(case))
 
 
-def script(case: Case, knobs: MitsubaKnobs) -> str:
-    """The scene in Mitsuba's words first, then the functions it needs and no others."""
+def script(case: Case, knobs: MitsubaKnobs, units: float) -> str:
+    """The scene in Mitsuba's words first, then the functions it needs and no others; the case is in the script's units."""
     body = "\n".join([*_scene(case), "", "", *_picture(case, knobs)])
     imports, constants, definitions = kit_source(body)
-    head = [_head(case), "from __future__ import annotations", "", imports, "", 'mi.set_variant("llvm_ad_rgb")', "", constants]
+    head = [_head(case, units), "from __future__ import annotations", "", imports, "", 'mi.set_variant("llvm_ad_rgb")']
     main = 'if __name__ == "__main__":\n    np.savez("picture.npz", **picture())'
-    return "\n".join([*head, "", "", body, "", "", definitions, "", "", main, ""])
+    return "\n".join([*head, "", constants, "", "", body, "", "", definitions, "", "", main, ""])
 
 
-def _head(case: Case) -> str:
+def _head(case: Case, units: float) -> str:
+    lengths = "metres" if units == 1 else f"in units of 2^{round(-math.log2(units))} m (Q9)"
     film = f"({case.scene.film.height}, {case.scene.film.width}, 3)"
     lines = [
         comment(case.name),
         *textwrap.wrap(comment(case.scene.about), 100),
         "",
         "Run it with Python, NumPy, Mitsuba 3 and LLVM 17 or newer: it writes picture.npz, in it `image`, linear radiance in",
-        f"W/(m² sr), {film}, row 0 on top, and `sigma`, its standard deviation. Lengths are metres. Written by equilux.",
+        f"W/(m² sr), {film}, row 0 on top, and `sigma`, its standard deviation. Lengths are {lengths}. Written by equilux.",
     ]
     return "\n".join(f"# {line}".rstrip() for line in lines)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import json
 import math
 
 import numpy as np
@@ -12,6 +13,7 @@ from equilux.adapter import Unsupported
 from equilux_adapters.mitsuba import ADAPTER, capabilities, translate
 from equilux_adapters.mitsuba.knobs import MitsubaKnobs
 from equilux_adapters.mitsuba.shapes import similarity
+from equilux_scenes.case import Case
 from support.mitsuba import case_of_text
 from support.random_scenes import case_of
 
@@ -238,3 +240,49 @@ def test_other_models_are_named_as_missing():
     with pytest.raises(Unsupported) as caught:
         ADAPTER.translate(case_of(phong), MitsubaKnobs())
     assert caught.value.missing_features == ["model.phong"]
+
+
+# --- the unit of length -----------------------------------------------------------------------------------------------
+
+
+def ball_at(metre: float, **changes: object) -> Case:
+    """A ball seen from 3 of its own metres, under a light whose attenuation has every term, and a mesh."""
+    lamp = {"constant": 1, "linear": 1 / metre, "quadratic": 1 / metre**2}
+    mesh = {"vertices": [[0, 0, 0], [metre, 0, 0], [0, metre, 0]], "faces": [[0, 1, 2]]}
+    camera = {"projection": "perspective", "eye": [0, 0, 3 * metre], "target": [0, 0, 0], "fov_y_deg": 30}
+    lights = {"key": {"kind": "point", "position": [0, 2 * metre, 0], "intensity": 6, "attenuation": lamp}}
+    ball = {"kind": "sphere", "center": [metre / 4, 0, 0], "radius": metre / 2, "material": "clay"}
+    moved = [{"translate": [0, metre, 0]}, {"rotate": {"axis": [0, 2, 0], "degrees": 30}}]
+    objects = [ball, {"kind": "mesh", "material": "clay", "transform": moved} | mesh]
+    return case_of_text(json.dumps(SPEC | {"camera": camera, "lights": lights, "objects": objects} | changes))
+
+
+def scripts(case: Case) -> tuple[str, bytes, dict[str, object]]:
+    """The script without its head, the mesh, and what the budget is made from."""
+    program = ADAPTER.translate(case, MitsubaKnobs())
+    text = program.files[program.entry].decode()
+    return text[text.index("def scene") :], program.files["mesh_1.ply"], dict(program.data)
+
+
+@pytest.mark.parametrize("exponent", [-30, -20, -1, 5, 20, 30])
+def test_a_world_a_power_of_two_as_large_is_the_same_in_the_scripts_unit(exponent):
+    like = 1.0 if exponent < 0 else 16.0  # what is too small is made 2 to 4 units large, what is too large 32 to 64
+    expected, found = scripts(ball_at(like / 2 if exponent < 0 else like)), scripts(ball_at(2.0**exponent))
+    assert found == expected
+
+
+def test_the_script_says_what_its_unit_is_where_it_is_not_the_metre():
+    assert "Lengths are metres." in script()
+    program = ADAPTER.translate(ball_at(2.0**-20), MitsubaKnobs())
+    assert "Lengths are in units of 2^-19 m (Q9)." in program.files[program.entry].decode()
+
+
+def test_a_far_light_does_not_make_the_scene_small():
+    far = {"key": {"kind": "sphere", "center": [0, 1.5e11, 0], "radius": 7e8, "radiance": 2e7}}
+    assert '"radius": 0.5' in scripts(ball_at(1.0, lights=far))[0]
+
+
+def test_lengths_that_single_precision_cannot_hold_together_are_refused():
+    far = {"key": {"kind": "sphere", "center": [0, 1e4, 0], "radius": 1, "radiance": 1}}
+    with pytest.raises(Unsupported, match=r"3e-09 m and of 1e\+04 m"):
+        scripts(ball_at(1e-9, lights=far))

@@ -23,7 +23,7 @@ OFFSET_REPEATS = 4
 
 @dataclass
 class View:
-    """The camera. half_height: of the film, at distance 1 from the eye, or in metres for parallel rays."""
+    """The camera. half_height: of the film, at distance 1 from the eye, or itself, for parallel rays."""
 
     eye: Triple
     target: Triple
@@ -59,8 +59,8 @@ def render(
     soft_shadows: bool = False,
 ) -> dict[str, npt.NDArray[Any]]:
     """image: radiance, the mean of the repeats; sigma: standard deviation of that mean (0 for one repeat); position: of the
-    point seen, metres; object: its number, -1 for a light, -2 for nothing; facing: the cosine between surface and ray; offset:
-    what the offset of shadow rays may change in soft shadows.
+    point seen, in the script's unit; object: its number, -1 for a light, -2 for nothing; facing: the cosine between surface and
+    ray; offset: what the offset of shadow rays may change in soft shadows.
 
     emission: of objects, by number. It is seen and lights nothing, so that it cannot be an emitter of Mitsuba's: it is added
     where the object is seen. background likewise, where nothing is seen.

@@ -22,7 +22,7 @@ def lamp(
     half_angle_deg: float = 180,
     exponent: float = 0,
 ) -> dict[str, Any]:
-    """E = I cos^e / (d_c + d_l r + d_q r²) within the cone; metres, W/sr."""
+    """E = I cos^e / (d_c + d_l r + d_q r²) within the cone."""
     mi.register_emitter("lamp", Lamp)
     axis = np.asarray(direction, dtype=float) / np.max(np.abs(direction))
     return {

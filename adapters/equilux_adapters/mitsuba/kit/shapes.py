@@ -11,7 +11,7 @@ Triple = tuple[float, float, float]
 
 
 def placed(x: Triple, y: Triple, z: Triple, origin: Triple) -> Any:
-    """The transform that takes the unit axes to x, y, z and the origin to `origin`, metres."""
+    """The transform that takes the unit axes to x, y, z and the origin to `origin`."""
     return mi.ScalarTransform4f([[*row] for row in zip(x, y, z, origin, strict=True)] + [[0, 0, 0, 1]])
 
 
