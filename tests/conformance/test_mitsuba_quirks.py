@@ -102,6 +102,17 @@ def test_q4_a_small_sphere_brings_light_that_is_off_by_the_rounding_of_its_cosin
     assert max(errors) >= 0.1, f"errors in units of what is allowed: {errors}"
 
 
+def test_q4_the_light_of_the_smallest_emitters_is_lost():
+    for given, is_seen in (({"type": "sphere", "radius": 2.0**-10}, True), ({"type": "sphere", "radius": 2.0**-13}, False)):
+        ball = given | {"center": [0, 0, 2], "bsdf": materials.black()}
+        ball["emitter"] = {"type": "area", "radiance": materials.bands(*grey(1e9))}
+        mean, _ = radiance({"ball": ball, "floor": floor(materials.lambert(grey(1.0)))}, *SLANTED, samples=16)
+        assert (mean > 0) == is_seen, f"{given}: {mean}"
+    for half, is_seen in ((2.0**-30, True), (2.0**-33, False)):
+        mean, _ = radiance({"panel": panel(2, half, 1e19), "floor": floor(materials.lambert(grey(1.0)))}, *SLANTED, samples=16)
+        assert (mean > 0) == is_seen, f"half an edge {half}: {mean}"
+
+
 def test_reflectances_above_one_are_an_error_unless_unbounded():
     with pytest.raises(RuntimeError, match=r"must be in the range \[0, 1\]"):
         mi.load_dict({"type": "diffuse", "reflectance": {"type": "rgb", "value": [1.5, 0, 0]}})

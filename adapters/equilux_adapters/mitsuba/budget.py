@@ -196,17 +196,21 @@ def _solid_angle(light: Mapping[str, Any], seen: _Seen) -> Floats:
         return np.full(seen.away.shape, 2 * math.pi)
     away = np.linalg.norm(seen.position - light["center"], axis=-1)
     sine = np.minimum(light["radius"] / np.maximum(away, light["radius"]), 1.0)
-    return np.asarray(2 * math.pi * (1 - np.sqrt(1 - sine**2)))
+    return np.asarray(2 * math.pi * sine**2 / (1 + np.sqrt(1 - sine**2)))
 
 
 def _of_density(light: Mapping[str, Any], seen: _Seen, image: Floats) -> Floats:
     """(h, w, 3), W/(m²·sr): 1 − cos α, from which a sphere's directions get their weight, is off by DENSITY_ROUNDINGS u (Q4).
 
-    No sphere brings more than all the light there is, nor more than 2π (1 − cos α) K L.
+    The sphere brings at most 2π (1 − cos α) K L, and not more than all the light that is seen. Below α = 2^-11, where the share
+    that is off reaches a half, all that it brings may be missing from the picture.
     """
-    share = np.minimum(DENSITY_ROUNDINGS * U * 2 * math.pi / np.maximum(_solid_angle(light, seen), np.finfo(float).tiny), 1.0)
+    share = DENSITY_ROUNDINGS * U * 2 * math.pi / np.maximum(_solid_angle(light, seen), np.finfo(float).tiny)
     at_most = DENSITY_ROUNDINGS * U * 2 * math.pi * (seen.diffuse + seen.specular) * light["radiance"]
-    return np.where(seen.is_object[..., None], np.minimum(share[..., None] * np.abs(_known(image)), at_most), 0.0)
+    of_seen = np.where(share < 0.5, share / (1 - np.minimum(share, 0.5)), math.inf)[..., None]
+    with np.errstate(invalid="ignore"):  # none of nothing: no bound
+        tighter = np.nan_to_num(of_seen * np.abs(_known(image)), nan=math.inf)
+    return np.where(seen.is_object[..., None], np.minimum(tighter, at_most), 0.0)
 
 
 def _largest_around(image: Floats, number: npt.NDArray[Any]) -> Floats:

@@ -14,6 +14,7 @@ from equilux_adapters.mitsuba.lights import emitter
 from equilux_adapters.mitsuba.shapes import entries, mesh_file, mesh_in_world, ply
 from equilux_adapters.mitsuba.source import kit_source
 from equilux_adapters.mitsuba.text import comment, number, triple
+from equilux_adapters.mitsuba.too_small import check_sizes
 from equilux_adapters.mitsuba.unit import in_units, units_per_metre
 from equilux_scenes.model import DeltaLight, Material, Scene
 
@@ -21,12 +22,13 @@ ENTRY = "scene.py"
 
 
 def translate(case: Case, knobs: MitsubaKnobs) -> Program:
-    """The script that draws the case, and its meshes. Raises Unsupported naming every feature that Mitsuba lacks."""
+    """The script that draws the case, and its meshes. Raises Unsupported naming what Mitsuba lacks or cannot hold."""
     missing = [feature for feature in case.demands if feature not in CAPABILITIES or CAPABILITIES[feature].level == "none"]
     if missing:
         raise Unsupported(missing, f"Mitsuba cannot express {', '.join(missing)}")
     units = units_per_metre(case)
     case = in_units(case, units)
+    check_sizes(case)
     files = {ENTRY: script(case, knobs, units).encode()}
     files |= {mesh_file(index): ply(mesh_in_world(case, index)) for index in case.meshes}
     return Program(files, ENTRY, facts_of(case))

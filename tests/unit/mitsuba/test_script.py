@@ -286,3 +286,27 @@ def test_lengths_that_single_precision_cannot_hold_together_are_refused():
     far = {"key": {"kind": "sphere", "center": [0, 1e4, 0], "radius": 1, "radiance": 1}}
     with pytest.raises(Unsupported, match=r"3e-09 m and of 1e\+04 m"):
         scripts(ball_at(1e-9, lights=far))
+
+
+@pytest.mark.parametrize(
+    ("emitter", "least"),
+    [
+        ({"kind": "sphere", "center": [0, 2, 0]}, 3 * 2.0**-11),
+        ({"kind": "disc", "center": [0, 2, 0], "normal": [0, -1, 0]}, 3 * 2.0**-30 / math.sqrt(math.pi)),
+    ],
+)
+def test_an_emitter_whose_light_single_precision_would_lose_is_refused_and_named(emitter, least):
+    def lights(radius: float) -> dict[str, object]:
+        return {"lights": {"speck": emitter | {"radius": radius, "radiance": 1}}}
+
+    script(**lights(1.01 * least))
+    with pytest.raises(Unsupported, match="speck") as caught:
+        script(**lights(0.99 * least))
+    assert caught.value.missing_features == [f"light.{emitter['kind']}"]
+
+
+def test_a_rectangle_counts_by_its_area():
+    thin = {"kind": "rectangle", "corner": [0, 2, 0], "edge_u": [1, 0, 0], "radiance": 1}
+    script(lights={"thread": thin | {"edge_v": [0, 0, 1e-9]}})
+    with pytest.raises(Unsupported, match="thread"):
+        script(lights={"thread": thin | {"edge_v": [0, 0, 1e-18]}})
