@@ -8,6 +8,7 @@ from functools import cache
 import numpy as np
 import pytest
 
+from equilux.adapter import Unsupported
 from equilux.budget import Budget, Sampled
 from equilux.uncertainty import stated
 from equilux_oracle import radiance as oracle_radiance
@@ -160,6 +161,46 @@ def test_a_world_of_any_size_agrees_with_the_truth(metre, tmp_path):
     pair = against(tracer.render()["radiance"], result, tracer)
     assert pair.json["verdict"] == "agree", verdict_line(result, pair)
     assert pair.json["edge"] < 0.5 * result.image[..., 0].size, verdict_line(result, pair)
+
+
+EDGE_ON = """
+equilux: 1
+name: edge-on
+model: reflection-equation
+camera: {{projection: perspective, eye: [0, {height}, 3], target: [0, 0, 0], up: [0, 1, 0], fov_y_deg: 30}}
+film: {{width: 16, height: 12}}
+lights:
+  k: {{kind: sphere, center: [0, 2, 1], radius: 0.5, radiance: 5}}
+materials:
+  a: {{diffuse: 0.3, specular: 0.2, exponent: 20}}
+objects:
+  - {{kind: sphere, center: [0, 0, 0], radius: 0.5, material: a}}
+  - {{kind: plane, point: [0, 0, 3], normal: {normal}, material: a}}
+"""
+
+
+@pytest.mark.parametrize("normal", [[0, 1, 0], [0.3, 0.7, 0.2], [1, 2, -3]])
+def test_a_plane_in_which_the_eye_lies_is_not_seen(normal, tmp_path):
+    case = case_of_text(EDGE_ON.format(height=0, normal=normal))
+    result, tracer = run(case, tmp_path, samples=9), Tracer(case)
+    pair = against(tracer.render()["radiance"], result, tracer)
+    assert pair.json["verdict"] == "agree", verdict_line(result, pair)
+    assert pair.json["edge"] <= 0.25 * result.image[..., 0].size, verdict_line(result, pair)
+
+
+@pytest.mark.parametrize("height", [1e-3, -1e-5])
+def test_a_plane_near_the_eye_is_seen(height, tmp_path):
+    case = case_of_text(EDGE_ON.format(height=height, normal=[0, 1, 0]))
+    result, tracer = run(case, tmp_path, samples=9), Tracer(case)
+    pair = against(tracer.render()["radiance"], result, tracer)
+    assert pair.json["verdict"] == "agree", verdict_line(result, pair)
+    assert pair.json["edge"] <= 0.25 * result.image[..., 0].size, verdict_line(result, pair)
+
+
+def test_a_plane_nearer_to_the_eye_than_single_precision_can_tell_is_refused(tmp_path):
+    with pytest.raises(Unsupported, match="on which side") as caught:
+        run(case_of_text(EDGE_ON.format(height=-1e-7, normal=[0, 1, 0])), tmp_path)
+    assert caught.value.missing_features == ["shape.plane"]
 
 
 def test_a_picture_is_neither_mirrored_nor_turned(tmp_path):

@@ -12,9 +12,9 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from equilux.adapter import Bound, Budget, Case, Geometric, Sampled
+from equilux.adapter import Bound, Budget, Case, Geometric, Sampled, Unsupported
 from equilux_adapters.mitsuba.geometry import curvature_of, enclosure_of, reach_of, thinness_of
-from equilux_adapters.mitsuba.shapes import PLANE_RADIUS
+from equilux_adapters.mitsuba.shapes import PLANE_RADIUS, plane_in_world
 from equilux_scenes.model import DeltaLight, DirectionalLight, Emitter, Material, Plane, Scene, SphereEmitter, SpotLight
 
 Floats = npt.NDArray[np.float64]
@@ -47,7 +47,35 @@ STEEPEST = 4.0
 """Tangent of the incidence up to which the shift of shadows by the moved origin is stated: 76°, beyond which less than a
 quarter of the light arrives."""
 
-__all__ = ["budget_of", "facts_of", "reach_of"]
+IN_PLANE = 2.0**-44
+"""Of the scene's reach: the eye as near to a plane lies in it. Its place was rounded to 2^-53 by whoever wrote it down."""
+
+__all__ = ["budget_of", "facts_of", "near_of", "reach_of"]
+
+
+def near_of(case: Case) -> float:
+    """What a ray of the camera meets before is taken to be where it starts, and is not seen (Q17).
+
+    Nearer than POSITION_ROUNDINGS nobody can say on which side of it the eye is. Where the eye lies in a plane, it is as far as
+    shadow rays start off theirs, so that little of the plane is seen although it is edge on. Raises Unsupported where the eye is
+    beside a plane, and nearer than can be told.
+    """
+    largest = float(np.abs(case.scene.camera.eye).max())
+    rounded, apart = POSITION_ROUNDINGS * U * (1 + largest), _plane_apart(case)
+    if apart <= IN_PLANE * reach_of(case):
+        return RAY_EPSILON * (1 + largest)
+    if apart < rounded:
+        reason = f"the eye is {apart:.2g} units beside a plane: in single precision, Mitsuba cannot tell on which side"
+        raise Unsupported(["shape.plane"], reason)
+    return rounded
+
+
+def _plane_apart(case: Case) -> float:
+    """The eye's distance from the nearest plane; of parallel rays, few start in a plane."""
+    if case.scene.camera.projection == "orthographic":
+        return math.inf
+    planes = [plane_in_world(obj) for obj in case.scene.objects if isinstance(obj, Plane)]
+    return min((abs(float(np.dot(case.scene.camera.eye - point, normal))) for point, normal in planes), default=math.inf)
 
 
 def facts_of(case: Case) -> dict[str, Any]:
@@ -60,7 +88,7 @@ def facts_of(case: Case) -> dict[str, Any]:
         "emitters": [_extended(light) for light in scene.lights.values() if isinstance(light, Emitter)],
         "environment": list(scene.environment.radiance) if scene.environment else [0.0, 0.0, 0.0],
         "surfaces": [_surface(case, index) for index in range(len(scene.objects))],
-        "view": _view(scene),
+        "view": {"near": near_of(case)} | _view(scene),
         "occlusion": "occlusion" in case.requires,
         "plane": any(isinstance(obj, Plane) for obj in scene.objects),
         "sine_of_cone": math.sin(math.radians(min(cones))) if cones else None,
@@ -154,7 +182,8 @@ class _Seen:
         largest = np.abs(self.position).max(axis=-1)
         view = facts["view"]
         away = np.linalg.norm(self.position - view["eye"], axis=-1)
-        self.away = np.where(self.is_object, away, math.inf)
+        self.away = np.where(self.is_object, np.maximum(away, view["near"]), math.inf)
+        self.has_passed = "passed" in picture and bool(np.any(picture["passed"]))
         self.misplaced = POSITION_ROUNDINGS * U * np.maximum(largest, facts["reach"])
         # seen at a grazing angle, an error across the ray moves the point along it by 1/cos as much
         slide = self.misplaced / np.maximum(_known(picture["facing"]), math.sqrt(U))
@@ -233,7 +262,9 @@ def _film_px(facts: Mapping[str, Any], seen: _Seen) -> float:
     rays = float(np.max(shown, initial=0.0)) + (0.0 if view["parallel"] else DIRECTION_ROUNDINGS * U * scale)
     horizon = scale / PLANE_RADIUS if facts["plane"] and not view["parallel"] else 0.0
     shadows = float(np.max(seen.shadow_px, initial=0.0)) if facts["occlusion"] and facts["delta_lights"] else 0.0
-    return rays + horizon + shadows + _cone_px(facts, seen)
+    # a surface in which the eye lies, up to rounding, is seen edge on up to this angle
+    edge_on = float(np.max(seen.misplaced)) / view["near"] * scale if seen.has_passed else 0.0
+    return rays + horizon + shadows + edge_on + _cone_px(facts, seen)
 
 
 def _cone_px(facts: Mapping[str, Any], seen: _Seen) -> float:

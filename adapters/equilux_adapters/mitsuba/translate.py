@@ -7,7 +7,7 @@ import re
 import textwrap
 
 from equilux.adapter import Case, Program, Unsupported
-from equilux_adapters.mitsuba.budget import facts_of, reach_of
+from equilux_adapters.mitsuba.budget import facts_of, near_of, reach_of
 from equilux_adapters.mitsuba.capabilities import CAPABILITIES
 from equilux_adapters.mitsuba.knobs import MitsubaKnobs
 from equilux_adapters.mitsuba.lights import emitter
@@ -114,7 +114,7 @@ def _picture(case: Case, knobs: MitsubaKnobs) -> list[str]:
         "def picture() -> dict[str, Any]:",
         "    view = View(",
         f"        eye={triple(camera.eye)}, target={triple(camera.target)}, up={triple(camera.up)},",
-        f"        {lens}, width={film.width}, height={film.height},",
+        f"        {lens}, width={film.width}, height={film.height}, near={number(near_of(case))},",
         "    )",
         f"    settings = {{{given}}}",
         "    return render(mi.load_dict(scene(), optimize=False), view, **settings)",

@@ -11,6 +11,7 @@ import pytest
 from pydantic import ValidationError
 
 from equilux.adapter import Adapter, Limits, Program, RawRender, RendererFailed
+from equilux.budget import Geometric
 from equilux.uncertainty import MINIMUM_REPEATS, stated
 from equilux_adapters.mitsuba import ADAPTER, library
 from equilux_adapters.mitsuba.knobs import MitsubaKnobs
@@ -143,3 +144,16 @@ def test_pixels_that_are_not_finite_are_handed_on_and_leave_the_budget_finite(tm
     reading = ADAPTER.read(RawRender({"picture.npz": tmp_path / "picture.npz"}), program(), MitsubaKnobs())
     assert np.array_equal(reading.image, image, equal_nan=True)
     assert np.isfinite(stated(reading.budget, reading.image).bound(np.zeros((1, 2, 3)))).all()
+
+
+def test_a_surface_at_the_eye_leaves_the_budget_finite_and_says_that_it_may_be_anywhere(tmp_path):
+    def film_px(**changes: np.ndarray) -> float:
+        np.savez(tmp_path / "picture.npz", **picture(**changes))
+        reading = ADAPTER.read(RawRender({"picture.npz": tmp_path / "picture.npz"}), program(), MitsubaKnobs())
+        return next(term.film_px for term in reading.budget.terms if isinstance(term, Geometric))
+
+    at_the_eye = np.broadcast_to([0.0, 0.0, 3.0], (1, 2, 3))
+    a_degree = 1 / 30  # the film's one pixel is 30° high
+    assert film_px() < 1e-3 * a_degree
+    assert 10 * a_degree < film_px(position=at_the_eye) < np.inf
+    assert 10 * a_degree < film_px(passed=np.array([[True, False]])) < np.inf

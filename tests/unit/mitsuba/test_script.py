@@ -48,7 +48,7 @@ def scene() -> dict[str, Any]:
 def picture() -> dict[str, Any]:
     view = View(
         eye=(0, 0, 3), target=(0, 0, 0), up=(0, 1, 0),
-        half_height=np.tan(np.radians(90) / 2), width=40, height=20,
+        half_height=np.tan(np.radians(90) / 2), width=40, height=20, near=1.9073486328125e-06,
     )
     settings = {"samples": 64, "repeats": 32, "emission": {}, "soft_shadows": True}
     return render(mi.load_dict(scene(), optimize=False), view, **settings)

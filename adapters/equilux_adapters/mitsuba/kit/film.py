@@ -23,7 +23,8 @@ OFFSET_REPEATS = 4
 
 @dataclass
 class View:
-    """The camera. half_height: of the film, at distance 1 from the eye, or itself, for parallel rays."""
+    """The camera. half_height: of the film, at distance 1 from the eye, or itself, for parallel rays. near: what a ray meets
+    before is taken to be where it starts, and is not seen."""
 
     eye: Triple
     target: Triple
@@ -31,6 +32,7 @@ class View:
     half_height: float
     width: int
     height: int
+    near: float
     parallel: bool = False
 
     def rays(self) -> tuple[Array, Array]:
@@ -60,7 +62,7 @@ def render(
 ) -> dict[str, npt.NDArray[Any]]:
     """image: radiance, the mean of the repeats; sigma: standard deviation of that mean (0 for one repeat); position: of the
     point seen, in the script's unit; object: its number, -1 for a light, -2 for nothing; facing: the cosine between surface and
-    ray; offset: what the offset of shadow rays may change in soft shadows.
+    ray; offset: what the offset of shadow rays may change in soft shadows; passed: whether the ray starts in a surface.
 
     emission: of objects, by number. It is seen and lights nothing, so that it cannot be an emitter of Mitsuba's: it is added
     where the object is seen. background likewise, where nothing is seen.
@@ -70,9 +72,9 @@ def render(
     parts = []
     for start in range(0, count, block):
         part = slice(start, min(start + block, count))
-        rays = mi.RayDifferential3f(o=mi.Point3f(as_float32(origins[part])), d=mi.Vector3f(as_float32(directions[part])))
+        rays, passed = seen_from(scene, origins[part], directions[part], view.near)
         seeds = [start * (repeats + OFFSET_REPEATS) + index for index in range(repeats + OFFSET_REPEATS)]
-        shown = first_hits(scene, rays)
+        shown = first_hits(scene, rays) | {"passed": passed}
         shown |= scatter(np.stack([one_repeat(scene, rays, samples, seed) for seed in seeds[:repeats]]))
         if soft_shadows:
             changes = [change_by_offset(scene, rays, samples, seed) for seed in seeds[repeats:]]
@@ -83,6 +85,20 @@ def render(
         whole["image"][whole["object"] == number] += radiance
     whole["image"][whole["object"] == -2] += background
     return {name: array.reshape(view.height, view.width, *array.shape[1:]) for name, array in whole.items()}
+
+
+def seen_from(scene: Any, origins: Array, directions: Array, near: float) -> tuple[Any, npt.NDArray[np.bool_]]:
+    """Rays, and which of them start in a surface; those start off it."""
+    rays = rays_along(origins, directions)
+    passed = np.asarray(scene.ray_intersect_preliminary(rays).t.numpy() < near)
+    if passed.any():
+        rays = rays_along(origins + 2 * near * passed[:, None] * directions, directions)
+    return rays, passed
+
+
+def rays_along(origins: Array, directions: Array) -> Any:
+    """In single precision."""
+    return mi.RayDifferential3f(o=mi.Point3f(as_float32(origins)), d=mi.Vector3f(as_float32(directions)))
 
 
 def scatter(means: Array) -> dict[str, Array]:
