@@ -6,10 +6,9 @@ import numpy as np
 
 from equilux.adapter import Bound, Budget, RawRender, Reading
 
-
 NO_DIGIT = 1e30
-"""W/(m²·sr). Between curved mirrors a bound grows with every bounce, beyond all numbers in the end: it then says nothing, and this
-stands for it, because a budget holds finite numbers only."""
+"""W/(m²·sr). Between curved mirrors a bound grows with every bounce, beyond all numbers in the end: it then says nothing, and
+this stands for it, because a budget holds finite numbers only."""
 
 
 def read(raw: RawRender) -> Reading:
