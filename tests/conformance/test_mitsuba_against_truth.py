@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -50,7 +51,15 @@ objects:
 
 @cache
 def corpus() -> dict[str, Case]:
-    return {case.name: case for family in ("reflection-equation", "photometry") for case in corpus_cases(family)}
+    """By name, on films of half the width and height: each pixel is judged alike, and a report renders them whole."""
+    return {
+        case.name: on_half_the_film(case) for family in ("reflection-equation", "photometry") for case in corpus_cases(family)
+    }
+
+
+def on_half_the_film(case: Case) -> Case:
+    film = case.scene.film.model_copy(update={"width": case.scene.film.width // 2, "height": case.scene.film.height // 2})
+    return replace(case, scene=case.scene.model_copy(update={"film": film}))
 
 
 def truth_of(case: Case, tracer: Tracer) -> np.ndarray:
@@ -154,7 +163,7 @@ def world(metre: float) -> Spec:
     }  # fmt: skip
 
 
-@pytest.mark.parametrize("metre", [1e-9, 1e-6, 1.0, 1e6, 1e9])
+@pytest.mark.parametrize("metre", [1e-9, 1e-6, 1e6, 1e9])
 def test_a_world_of_any_size_agrees_with_the_truth(metre, tmp_path):
     case = case_of_text(json.dumps(world(metre)))
     result, tracer = run(case, tmp_path, samples=12), Tracer(case)
@@ -211,9 +220,9 @@ def test_a_picture_is_neither_mirrored_nor_turned(tmp_path):
         assert np.abs(result.image - wrong).mean() > 20 * right, f"{name}: as near as the picture itself, {right}"
 
 
-def test_twice_the_repeats_give_a_smaller_error_and_say_so(tmp_path):
+def test_four_times_the_repeats_give_a_smaller_error_and_say_so(tmp_path):
     case = corpus()["soft-shadow"]
-    few, many = run(case, tmp_path / "few", samples=4), run(case, tmp_path / "many", samples=4, repeats=128)
+    few, many = (run(case, tmp_path / str(repeats), samples=4, repeats=repeats) for repeats in (16, 64))
     ratio = np.median(term_of(few, "sampling").sigma) / np.median(term_of(many, "sampling").sigma)
     assert 1.8 < ratio < 2.2, f"σ falls by {ratio}, expected 2"
 

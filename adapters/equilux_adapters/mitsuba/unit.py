@@ -26,7 +26,7 @@ the square of 2^64."""
 
 _OF_VIEW_AND_LIGHTS = ("eye", "height_m", "target", "position", "center", "radius", "corner", "edge_u", "edge_v")
 _OF_OBJECTS = ("point", "min", "max", "base", "top", "translate")
-_LENGTHS = frozenset(_OF_VIEW_AND_LIGHTS + _OF_OBJECTS)
+LENGTHS = frozenset(_OF_VIEW_AND_LIGHTS + _OF_OBJECTS)
 
 P = TypeVar("P", bound=Part)
 
@@ -61,7 +61,7 @@ def _scaled(part: P, units: float) -> P:
     changes: dict[str, Any] = {}
     for name in type(part).model_fields:
         value = getattr(part, name)
-        if name in _LENGTHS and value is not None:
+        if name in LENGTHS and value is not None:
             changes[name] = _times(value, units)
         elif name == "transform":
             changes[name] = tuple(_scaled_step(step, units) for step in value)

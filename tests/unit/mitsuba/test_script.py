@@ -10,9 +10,10 @@ import numpy as np
 import pytest
 
 from equilux.adapter import Unsupported
-from equilux_adapters.mitsuba import ADAPTER, capabilities, translate
+from equilux_adapters.mitsuba import ADAPTER, capabilities, translate, unit
 from equilux_adapters.mitsuba.knobs import MitsubaKnobs
 from equilux_adapters.mitsuba.shapes import similarity
+from equilux_scenes import model
 from equilux_scenes.case import Case
 from support.mitsuba import case_of_text
 from support.random_scenes import case_of
@@ -310,3 +311,11 @@ def test_a_rectangle_counts_by_its_area():
     script(lights={"thread": thin | {"edge_v": [0, 0, 1e-9]}})
     with pytest.raises(Unsupported, match="thread"):
         script(lights={"thread": thin | {"edge_v": [0, 0, 1e-18]}})
+
+
+def test_every_length_of_the_model_is_put_into_the_scripts_unit():
+    """The model says of each of its numbers what it is measured in."""
+    parts = [member for member in vars(model).values() if isinstance(member, type) and issubclass(member, model.Part)]
+    fields = [(part, name, field.description or "") for part in parts for name, field in part.model_fields.items()]
+    found = {name for _, name, text in fields if text.endswith(("etres.", "metres; the middle of the film."))}
+    assert found - {"vertices"} == unit.LENGTHS
