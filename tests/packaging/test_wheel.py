@@ -28,16 +28,17 @@ def run(*command: str | Path, cwd: Path, expect: int = 0, **environment: str) ->
     return done
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="session")
 def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Built from scratch, in a folder of its own: what the editable install has left in build/ has no say."""
     folder = tmp_path_factory.mktemp("wheel")
-    run(UV, "build", "--quiet", "--wheel", "--no-build-isolation", "--python", sys.executable, "--out-dir", folder, ROOT,
-        cwd=folder, VIRTUAL_ENV=sys.prefix)
+    run(UV, "build", "--wheel", "--no-build-isolation", "--python", sys.executable, "--out-dir", folder,
+        "--config-setting", f"build-dir={tmp_path_factory.mktemp('build')}", ROOT, cwd=folder, VIRTUAL_ENV=sys.prefix)
     (path,) = folder.glob("*.whl")
     return path
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="session")
 def environment(wheel: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """An environment with the locked dependencies and the wheel, and nothing else. Returns its folder."""
     folder = tmp_path_factory.mktemp("installed")
