@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "moved_light.h"
 #include "opengl.h"
 #include "precision.h"
 
@@ -19,9 +20,6 @@ struct Held {
   std::vector<char> in_front, in_cone;
 };
 
-// max(0, cos)^p
-double power(double cosine, double exponent) { return cosine > 0 ? std::pow(cosine, exponent) : 0; }
-
 Vec3d unit_or_zero(const Vec3d& v) { return largest(v) > 0 ? unit(v) : Vec3d{}; }
 
 // The shares of a light are 1, and its ambient one 0, in all models but opengl.
@@ -29,16 +27,9 @@ Bands from_light(const Held& at, std::size_t k, const Vec3d& position, const Vec
   if (!at.in_cone[k]) return {};
   const Light& light = at.world->lights[k];
   const LightDescription& given = light.given;
-  Vec3d to_light = light.to_light_rounded;
-  double share = 1;
-  if (given.kind != LightKind::directional) {
-    const Vec3d toward = to_double(light.position) - position;
-    const double r2 = dot(toward, toward), r = std::sqrt(r2);
-    if (r == 0) return {};
-    to_light = toward * (1 / r);
-    share = 1 / (given.constant + given.linear * r + given.quadratic * r2);
-    if (given.kind == LightKind::spot && given.exponent > 0) share *= power(-dot(to_light, light.axis_rounded), given.exponent);
-  }
+  Vec3d to_light;
+  double share;
+  if (!seen_from_moved(light, to_double(light.position) - position, to_light, share)) return {};
   const double cosine = dot(normal, to_light);
   Bands reflected = at.material->diffuse * given.diffuse * std::max(0.0, cosine) + at.material->ambient * given.ambient;
   if (at.in_front[k] && at.material->specular.any()) {

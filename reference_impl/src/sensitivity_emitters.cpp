@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "direct_light.h"
+#include "moved_light.h"
 #include "phong.h"
 #include "precision.h"
 #include "sensitivity.h"
@@ -27,22 +28,13 @@ struct Held {
 // Of the integrals, and least steps: so the integrals' error is a hundredth of the change that is looked for.
 constexpr double error_target = 1e-6, least_step = 1e-4;
 
-double power(double cosine, double exponent) { return cosine > 0 ? std::pow(cosine, exponent) : 0; }
-
 Bands from_delta_light(const Held& at, std::size_t k, const Vec3dd& position, const Vec3d& normal, const Vec3d& to_viewer) {
   if (!at.shines[k]) return {};
   const Light& light = at.world->lights[k];
   const LightDescription& given = light.given;
-  Vec3d to_light = light.to_light_rounded;
-  double share = 1;
-  if (given.kind != LightKind::directional) {
-    const Vec3d toward = to_double(light.position - position);
-    const double r2 = dot(toward, toward), r = std::sqrt(r2);
-    if (r == 0) return {};
-    to_light = toward * (1 / r);
-    share = 1 / (given.constant + given.linear * r + given.quadratic * r2);
-    if (given.kind == LightKind::spot && given.exponent > 0) share *= power(-dot(to_light, light.axis_rounded), given.exponent);
-  }
+  Vec3d to_light;
+  double share;
+  if (!seen_from_moved(light, to_double(light.position - position), to_light, share)) return {};
   const double cosine = std::max(0.0, dot(normal, to_light));
   const double mirrored = 2 * dot(normal, to_light) * dot(normal, to_viewer) - dot(to_light, to_viewer);
   const double lobe = power(mirrored, at.material->exponent) * (at.with_cosine ? cosine : 1);

@@ -1,5 +1,6 @@
 #include <algorithm>
 
+#include "moved_light.h"
 #include "path.h"
 #include "precision.h"
 #include "sensitivity.h"
@@ -14,8 +15,6 @@ constexpr double step_shares[] = {1.0, 1.0 / 8, 1.0 / 64, 1.0 / 512, 1.0 / 4096}
 Bands operator-(const Bands& a, const Bands& b) { return {a.r - b.r, a.g - b.g, a.b - b.b}; }
 Bands magnitude(const Bands& a) { return {std::fabs(a.r), std::fabs(a.g), std::fabs(a.b)}; }
 Bands larger(const Bands& a, const Bands& b) { return {std::max(a.r, b.r), std::max(a.g, b.g), std::max(a.b, b.b)}; }
-
-double power(double cosine, double exponent) { return cosine > 0 ? std::pow(cosine, exponent) : 0; }
 
 // What a light does at the unmoved point, to be held.
 struct HeldLight {
@@ -95,16 +94,9 @@ Bands Steps::from_light(const Hit& hit, std::size_t k, const Vec3d& position, co
   const Light& light = world_.lights[k];
   const LightDescription& given = light.given;
   const MaterialDescription& material = *hit.material;
-  Vec3d to_light = light.to_light_rounded;
-  double share = 1;
-  if (given.kind != LightKind::directional) {
-    const Vec3d toward = to_double(light.position) - position;
-    const double r2 = dot(toward, toward), r = std::sqrt(r2);
-    if (r == 0) return {};
-    to_light = toward * (1 / r);
-    share = 1 / (given.constant + given.linear * r + given.quadratic * r2);
-    if (given.kind == LightKind::spot && given.exponent > 0) share *= power(-dot(to_light, light.axis_rounded), given.exponent);
-  }
+  Vec3d to_light;
+  double share;
+  if (!seen_from_moved(light, to_double(light.position) - position, to_light, share)) return {};
   const double cosine = dot(normal, to_light), t = material.transparency;
   Bands reflected = material.diffuse * (cosine > 0 ? (1 - t) * cosine : -t * cosine);
   if (material.specular.any()) {
