@@ -230,7 +230,10 @@ class _Run:
 
     def finish(self) -> Finished:
         """Judge everything and write results.json and the final run.json."""
-        cases = [self._judged(work) for work in self._work.values() if work.records]
+        worked = [work for work in self._work.values() if work.records]
+        cases = [self._judged(work) for work in worked]
+        for work in worked:
+            write_json(self._tree.case_folder(work.case.name) / "materials.json", materials_json(work.case))
         statuses = [(name, render.status) for case in cases for name, render in case.renders.items()]
         pairs = [(pair.a, pair.b, pair.judged) for case in cases for pair in case.pairs]
         errors = tuple(error for work in self._work.values() for error in work.errors)
@@ -257,7 +260,6 @@ class _Run:
     def _judged(self, work: CaseWork) -> CaseRecord:
         case = work.case
         pairs = [work.pairs[names] for names in sorted(work.pairs)]
-        write_json(self._tree.case_folder(case.name) / "materials.json", materials_json(case))
         judged = judge_case(case, {name: record["status"] for name, record in work.records.items()}, pairs)
         return CaseRecord(
             case=case.name,
