@@ -4,8 +4,8 @@ Written apart from the rest of this package: no borders, no Stokes, no closed fo
 its own surface in two dimensions: a disc or rectangle as it stands, dω = cos θ' dA/r²; a sphere as the disc that its cap is
 seen as, tan α across at distance 1; a hemisphere by polar angles. Within a flat region the horizons N·ω = 0 and M·ω = 0 are
 straight lines, so both integrations are split exactly where the integrand has kinks, and Gauss–Legendre converges geometrically
-on each piece. What it takes from elsewhere is `equilux_oracle.precise`: the camera, the nearest crossing, and light without an
-extent.
+on each piece. What it takes from elsewhere is `equilux_oracle.precise`: the camera, the nearest crossing, light without
+an extent, and the arithmetic of vectors.
 
 Valid where nothing is blocked but by horizons, which is where the closed forms are. No environment behind other bodies.
 """
@@ -17,18 +17,15 @@ from dataclasses import astuple, dataclass
 from functools import cache, partial
 from itertools import pairwise
 
-import mpmath
 from mpmath import mp, mpf
 
 from equilux_oracle.emitters.covers import with_emitters
-from equilux_oracle.precise import evaluate_at
+from equilux_oracle.precise import Vector, cross, dot, evaluate_at, exact, minus, plus, times, unit
 from equilux_scenes.case import Case
 from equilux_scenes.model import AreaEmitter, DiscEmitter, Material, RectangleEmitter, SphereEmitter
 
 DIGITS = 25
 NODES = 24
-
-Vector = tuple[mpf, mpf, mpf]
 
 
 @dataclass(frozen=True)
@@ -43,7 +40,7 @@ class Receiver:
     @property
     def mirror(self) -> Vector:
         """V mirrored at N."""
-        return _minus(_times(2 * _dot(self.normal, self.to_viewer), self.normal), self.to_viewer)
+        return minus(times(2 * dot(self.normal, self.to_viewer), self.normal), self.to_viewer)
 
 
 @dataclass(frozen=True)
@@ -77,7 +74,7 @@ def radiance_at(case: Case, x: float, y: float) -> tuple[mpf, mpf, mpf] | None:
     if scene.environment is not None:
         received.append((scene.environment.radiance, converged(partial(from_hemisphere, at), material.exponent)))
     with mp.workdps(DIGITS):
-        total = list(_exact(material.emission))
+        total = list(exact(material.emission))
         for radiance, part in received:
             lobe = {"lambert": mpf(0), "phong-classic": part.lobe, "phong-cosine": part.lobe_with_cosine}[material.brdf]
             for band in range(3):
@@ -120,20 +117,20 @@ def converged(of: Callable[[int], Received], exponent: float) -> Received:
 def from_hemisphere(at: Receiver, nodes: int = NODES, pieces: int = 1) -> Received:
     """What a point receives per radiance of an environment, in polar angles about N."""
     with mp.workdps(DIGITS):
-        x = _unit(_minus(at.mirror, _times(_dot(at.mirror, at.normal), at.normal)))
-        y = _cross(at.normal, x)
+        x = unit(minus(at.mirror, times(dot(at.mirror, at.normal), at.normal)))
+        y = cross(at.normal, x)
         graded = _is_rough(at.exponent)
 
         def across(phi: mpf) -> list[mpf]:
             # M·ω = 0 at tan θ = −(M·N)/(M·x cos φ)
-            side = _dot(at.mirror, x) * mp.cos(phi)
-            border = [mp.atan2(_dot(at.mirror, at.normal), -side)] if side < 0 else []
+            side = dot(at.mirror, x) * mp.cos(phi)
+            border = [mp.atan2(dot(at.mirror, at.normal), -side)] if side < 0 else []
             return _gauss_sum(lambda theta: integrand(phi, theta), [mpf(0), *border, mp.pi / 2], nodes, pieces, graded)
 
         def integrand(phi: mpf, theta: mpf) -> list[mpf]:
             s = mp.sin(theta)
-            omega = _plus(_times(s, _plus(_times(mp.cos(phi), x), _times(mp.sin(phi), y))), _times(mp.cos(theta), at.normal))
-            return _weights(_dot(at.normal, omega), _dot(at.mirror, omega), mpf(1), at.exponent, s)
+            omega = plus(times(s, plus(times(mp.cos(phi), x), times(mp.sin(phi), y))), times(mp.cos(theta), at.normal))
+            return _weights(dot(at.normal, omega), dot(at.mirror, omega), mpf(1), at.exponent, s)
 
         quarter = mp.pi / 2
         return Received(*_gauss_sum(across, [-2 * quarter, -quarter, mpf(0), quarter, 2 * quarter], nodes, pieces, graded))
@@ -163,34 +160,34 @@ def _flat(emitter: AreaEmitter, point: Vector) -> _Flat | None:
     """An emitter's silhouette relative to a point; None if it does not shine there."""
     match emitter:
         case SphereEmitter():
-            towards = _minus(_exact(emitter.center), point)
-            d2, r2 = _dot(towards, towards), mpf(emitter.radius) ** 2
+            towards = minus(exact(emitter.center), point)
+            d2, r2 = dot(towards, towards), mpf(emitter.radius) ** 2
             if d2 <= r2:
                 return None
-            axis = _unit(towards)
+            axis = unit(towards)
             e = _some_across(axis)
             tangent = mp.sqrt(r2 / (d2 - r2))
-            return _Flat(axis, _times(tangent, e), _times(tangent, _cross(axis, e)), True)
+            return _Flat(axis, times(tangent, e), times(tangent, cross(axis, e)), True)
         case DiscEmitter():
-            towards, normal = _minus(_exact(emitter.center), point), _unit(_exact(emitter.normal))
-            e = _times(mpf(emitter.radius), _some_across(normal))
-            return _Flat(towards, e, _cross(normal, e), True) if _dot(towards, normal) < 0 else None
+            towards, normal = minus(exact(emitter.center), point), unit(exact(emitter.normal))
+            e = times(mpf(emitter.radius), _some_across(normal))
+            return _Flat(towards, e, cross(normal, e), True) if dot(towards, normal) < 0 else None
         case RectangleEmitter():
-            u, v = _times(mpf(0.5), _exact(emitter.edge_u)), _times(mpf(0.5), _exact(emitter.edge_v))
-            towards = _minus(_plus(_exact(emitter.corner), _plus(u, v)), point)
-            return _Flat(towards, u, v, False) if _dot(towards, _cross(u, v)) < 0 else None
+            u, v = times(mpf(0.5), exact(emitter.edge_u)), times(mpf(0.5), exact(emitter.edge_v))
+            towards = minus(plus(exact(emitter.corner), plus(u, v)), point)
+            return _Flat(towards, u, v, False) if dot(towards, cross(u, v)) < 0 else None
 
 
 def _over(flat: _Flat, at: Receiver, nodes: int, pieces: int) -> Received:
     """Each horizon is a line l0 + le x + lf y = 0 in the region's own coordinates; dω = |p·(e × f)| dx dy/|p|³."""
-    lines = [tuple(_dot(axis, v) for v in (flat.center, flat.e, flat.f)) for axis in (at.normal, at.mirror)]
-    height = abs(_dot(flat.center, _cross(flat.e, flat.f)))
+    lines = [tuple(dot(axis, v) for v in (flat.center, flat.e, flat.f)) for axis in (at.normal, at.mirror)]
+    height = abs(dot(flat.center, cross(flat.e, flat.f)))
     graded = _is_rough(at.exponent)
 
     def across(s: mpf) -> list[mpf]:
         x, dx, top = flat.x_of(s)
-        p = _plus(flat.center, _times(x, flat.e))
-        q0, q1, q2 = _dot(p, p), 2 * _dot(p, flat.f), _dot(flat.f, flat.f)
+        p = plus(flat.center, times(x, flat.e))
+        q0, q1, q2 = dot(p, p), 2 * dot(p, flat.f), dot(flat.f, flat.f)
         (n0, n1), (m0, m1) = ((l0 + le * x, lf) for l0, le, lf in lines)
         borders = [-l0 / l1 for l0, l1 in ((n0, n1), (m0, m1)) if l1 != 0]
         cuts = [-top, *sorted(y for y in borders if -top < y < top), top]
@@ -279,38 +276,6 @@ def _graded_rule(nodes: int) -> tuple[tuple[mpf, mpf], ...]:
         return tuple((mapped(s), w * 2772 * (s * (1 - s)) ** 5) for s, w in _rule(nodes))
 
 
-# --- vectors ----------------------------------------------------------------------------------------------------------
-
-
-def _exact(values: Iterable[float]) -> Vector:
-    x, y, z = (mpf(value) for value in values)
-    return x, y, z
-
-
 def _some_across(axis: Vector) -> Vector:
     least = min(range(3), key=lambda k: abs(axis[k]))
-    return _unit(_cross(axis, (mpf(least == 0), mpf(least == 1), mpf(least == 2))))
-
-
-def _plus(a: Vector, b: Vector) -> Vector:
-    return a[0] + b[0], a[1] + b[1], a[2] + b[2]
-
-
-def _minus(a: Vector, b: Vector) -> Vector:
-    return a[0] - b[0], a[1] - b[1], a[2] - b[2]
-
-
-def _times(k: mpf, a: Vector) -> Vector:
-    return k * a[0], k * a[1], k * a[2]
-
-
-def _dot(a: Vector, b: Vector) -> mpf:
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-
-
-def _cross(a: Vector, b: Vector) -> Vector:
-    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
-
-
-def _unit(a: Vector) -> Vector:
-    return _times(1 / mpmath.sqrt(_dot(a, a)), a)
+    return unit(cross(axis, (mpf(least == 0), mpf(least == 1), mpf(least == 2))))
