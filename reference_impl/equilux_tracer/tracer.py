@@ -12,6 +12,7 @@ from equilux_scenes.case import Case
 from equilux_tracer import _tracer
 from equilux_tracer.channels import CHANNELS
 from equilux_tracer.describe import describe
+from equilux_tracer.shading_rules import MODEL_RULES, ShadingRules
 
 VERSION = "2"
 """Changes whenever a picture may change in its last digit: part of the key under which renders are reused."""
@@ -29,16 +30,21 @@ class Tracer:
     error_target: in (0, 1), asked of the integrals of model reflection-equation: at each sample, the error of what each emitter
     adds to its brightest band, relative to that with nothing in between. There is a work limit: channel `quadrature` says what
     was reached.
+    rules: what to do otherwise than the model says.
     Raises TracerError for a scene whose sizes or distances (beyond 1e60 m) or transform (singular) cannot be computed with.
     """
 
-    def __init__(self, case: Case, *, precision: Literal["exact"] = "exact", error_target: float = ERROR_TARGET) -> None:
+    def __init__(
+        self, case: Case, *, precision: Literal["exact"] = "exact", error_target: float = ERROR_TARGET, rules: ShadingRules = MODEL_RULES,
+    ) -> None:  # fmt: skip
         if precision != "exact":
             raise _tracer.TracerError(f"precision: got {precision!r}, allowed 'exact'")
         self.case = case
         self._lights = len(case.scene.lights)
         description = describe(case)
         description.set_error_target(error_target)
+        if rules != MODEL_RULES:
+            raise _tracer.TracerError("rules: the kernels do not know them yet")
         self._world = _tracer.World(description)
 
     def render(

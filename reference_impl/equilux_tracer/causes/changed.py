@@ -1,0 +1,76 @@
+"""The reference tracer with rules changed: the same face as `Tracer`, another renderer's behaviour."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from equilux_scenes.case import Case
+from equilux_tracer.causes.rule import Applied, Floats, Rule
+from equilux_tracer.shading_rules import MODEL_RULES
+from equilux_tracer.tracer import Arrays, Tracer
+
+
+class ChangedTracer:
+    """A case as a renderer with these causes would show it. Any number of threads may use it at the same time.
+
+    causes are applied in order: first all that change the scene, then the shading rules, then, as the picture is made, all that
+    change where a pixel looks (the last one applied is the outermost), then what it shows. rules: by id. Raises KeyError for an id
+    without a rule, TracerError for a scene that cannot be computed with.
+    """
+
+    def __init__(self, case: Case, causes: Sequence[Applied], rules: Mapping[str, Rule], *, error_target: float = 1e-6) -> None:
+        self.case = case
+        """The unchanged case."""
+        self.causes = tuple(causes)
+        self._rules = [(rules[applied.cause], applied) for applied in causes]
+        shading = MODEL_RULES
+        changed = case
+        for rule, applied in self._rules:
+            changed = rule.change_case(changed, applied)
+            shading = rule.change_shading(shading, applied)
+        self.changed_case = changed
+        self._tracer = Tracer(changed, error_target=error_target, rules=shading)
+
+    def render(self, channels: Sequence[str] = ("radiance",)) -> Arrays:
+        """The whole film; see `Tracer.render`."""
+        film = self.case.scene.film
+        rows, columns = np.mgrid[0 : film.height, 0 : film.width]
+        film_xy = np.stack([columns.ravel() + 0.5, rows.ravel() + 0.5], axis=-1)
+        out = self.evaluate(film_xy, channels)
+        return {name: value.reshape(film.height, film.width, *value.shape[1:]) for name, value in out.items()}
+
+    def evaluate(self, film_xy: npt.ArrayLike, channels: Sequence[str] = ("radiance",)) -> Arrays:
+        """At film positions (n, 2) in pixels; see `Tracer.evaluate`. Only "radiance" is changed by what changes pixels' values;
+        every channel is by what changes where they look."""
+        asked = np.asarray(film_xy, np.float64)
+        out = self._tracer.evaluate(self._looked_at(asked), channels)
+        if "radiance" in out:
+            out["radiance"] = self._shown(out["radiance"], asked)
+        return out
+
+    def sensitivity(self, normal: Any, position_m: Any) -> Floats:
+        """(h, w, 3): see `Tracer.sensitivity`, of what this renderer shows: the largest step that the picture's own rules make of a
+        step up or down."""
+        film = self.case.scene.film
+        rows, columns = np.mgrid[0 : film.height, 0 : film.width]
+        asked = np.stack([columns.ravel() + 0.5, rows.ravel() + 0.5], axis=-1)
+        looked_at = self._looked_at(asked)
+        moved = self._tracer.sensitivity(normal, position_m, film_xy=looked_at)
+        radiance = self._tracer.evaluate(looked_at, ("radiance",))["radiance"]
+        here = self._shown(radiance, asked)
+        up, down = self._shown(radiance + moved, asked), self._shown(np.maximum(radiance - moved, 0), asked)
+        return np.maximum(np.abs(up - here), np.abs(down - here)).reshape(film.height, film.width, 3)
+
+    def _looked_at(self, film_xy: Floats) -> Floats:
+        for rule, applied in reversed(self._rules):
+            film_xy = rule.change_film(film_xy, self.case, applied)
+        return np.ascontiguousarray(film_xy)
+
+    def _shown(self, radiance: Floats, film_xy: Floats) -> Floats:
+        for rule, applied in self._rules:
+            radiance = rule.change_radiance(radiance, film_xy, self.case, applied)
+        return np.ascontiguousarray(radiance, dtype=np.float64)

@@ -1,0 +1,67 @@
+"""What the tracer can be told to do otherwise than the lighting model says: the part of the causes that no change of the scene
+can express.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+
+@dataclass(frozen=True)
+class ShadingRules:
+    """Each field's default is the model's own rule. With all at their defaults the kernels have no code for any of them.
+
+    N, V, L, R, H, T, K, t, k as in lighting_model.md; all directions unit.
+    """
+
+    normal_side: Literal["model", "as-given", "facing-viewer"] = "model"
+    """Which side N is taken on. model: N·N_g > 0, N_g the geometric normal on the viewer's side. as-given: the outward normal,
+    a mesh's as stored, however it is seen. facing-viewer: the interpolated normal is turned until N·V ≥ 0."""
+    normals_reversed: bool = False
+    """N → −N, after the side has been chosen."""
+    half_vector: bool = False
+    """The highlight is the other one of the two: (N·H)^p in place of (R·V)^p; in model opengl (R·V)^p in place of (N·H)^p."""
+    diffuse_two_sided: bool = False
+    """|N·L| in place of max(0, N·L) in the diffuse term of light from in front and from behind alike (raytraced: of both L_1
+    and L_2's local terms)."""
+    highlight_two_sided: bool = False
+    """Light from behind makes the highlight that it would make about −N."""
+    highlight_ungated: bool = False
+    """No gate: K_spec max(0, R·V)^p also where N·L ≤ 0, with R = 2 (N·L) N − L as the formula stands."""
+    highlight_cosine: bool = False
+    """The highlight is multiplied by max(0, N·L) (with `highlight_ungated`: by |N·L|)."""
+    specular_floor: float = 0.0
+    """max(floor, R·V)^p (or N·H) in place of max(0, R·V)^p, wherever the gate is open."""
+    transmitted_highlight: bool = True
+    """raytraced: False: light from behind makes no highlight."""
+    highlight_weighted: bool = True
+    """raytraced: False: the highlight of light from in front is not multiplied by 1 − t."""
+    viewer: Literal["model", "from-eye", "fixed"] = "model"
+    """V in every highlight. from-eye: towards the eye point, in every projection. fixed: minus the view direction."""
+    occlusion: bool = True
+    """False: nothing stands between a light and a surface."""
+    transparent_shadow: Literal["model", "opaque", "t-only", "k-only", "ignored"] = "model"
+    """How much light a crossing of a transparent object lets through, model: t k_trans (or all, as the scene says). opaque:
+    nothing. t-only: t. k-only: k_trans. ignored: all."""
+    shadow_bias_m: float = 0.0
+    """Blockers nearer to the surface than this are missed."""
+    weight_cut: float = 0.0
+    """Secondary rays whose weight (its largest band) is below are not followed."""
+    total_reflection: Literal["one", "mirror", "transmitted", "none"] = "one"
+    """Weight of the mirror ray where light is totally reflected. one: 1. mirror: (1 − t) k_refl. transmitted: t k_trans on top of
+    (1 − t) k_refl. none: 0."""
+    nested_media: bool = False
+    """A ray that enters an object inside another one bends from the outer object's index, not from 1."""
+    transmission_counted: bool = True
+    """False: transmitted rays do not count towards the recursion limit (256 in all are followed)."""
+    front_weighted: bool = True
+    """raytraced: False: L_1 is not multiplied by 1 − t (local terms and mirror ray)."""
+    behind_weighted: bool = True
+    """raytraced: False: L_2 is not multiplied by t (local terms and transmitted ray)."""
+    vertex_lighting: bool = False
+    """Meshes: the radiance that leaves each vertex (with the vertex normal; flat meshes: the face normal) is interpolated linearly
+    over the triangle (perspective-correct). Other shapes are shaded as always."""
+
+
+MODEL_RULES = ShadingRules()
