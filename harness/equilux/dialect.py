@@ -16,8 +16,8 @@ class Declared:
     """One rule of a dialect: a cause (contracts §5, or a third party's `name:cause`) with its parameter.
 
     parameter: None where the cause has none, or where it depends on the scene (`light-missing`). reading: which of the cause's
-    readings (docs/causes.md); "" the first. quirk: where the adapter says more about it, such as "Q5". models: the models in which
-    the renderer does so; empty: in all. unless: features; a scene that requires one of them is not concerned.
+    readings (docs/causes.md); "" the first. quirk: where the adapter says more about it, such as "Q5". models: the models in
+    which the renderer does so; empty: in all. unless: features; a scene that requires one of them is not concerned.
     """
 
     cause: str

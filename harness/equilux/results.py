@@ -10,6 +10,8 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
+from equilux.diagnose.diagnosis import Found
+
 SCHEMA: Literal["equilux/results/1"] = "equilux/results/1"
 
 Status = Literal["ok", "unsupported", "missing", "timeout", "crashed", "failed", "invalid"]
@@ -69,6 +71,7 @@ class RenderRecord(Record):
     seconds: dict[str, float] = Field(default={}, description="wall time by phase: start, render, read, translate")
     uncertainty: StatedUncertainty | None = None
     luminance: Luminance | None = None
+    standing: Standing | None = None
     reused: bool = False
 
 
@@ -84,13 +87,23 @@ class Worst(Record):
     b: Radiance
 
 
-class Cause(Record):
-    """One rule by which a side departs from the scene's model."""
+Finding = Literal["as-modelled", "model-difference", "implementation-bug", "translation-bug", "unexplained"]
 
-    id: str
-    parameter: Any = None
-    explained: float | None = None
-    residual_max_abs: float | None = None
+
+class Standing(Record):
+    """A render judged three ways: against the truth, against what its adapter declares that it does, against its peers.
+
+    Each is "agree" or "diverge", or null where there is nothing to hold it against. finding: as-modelled: agrees with the truth.
+    model-difference: departs from the scene's model, exactly as declared. implementation-bug: departs from what it declares, by
+    causes of the renderer's own. translation-bug: departs by causes of the translation to it. unexplained: departs, and no named
+    cause accounts for it.
+    """
+
+    truth: Literal["agree", "diverge"] | None = None
+    dialect: Literal["agree", "diverge"] | None = None
+    peers: dict[str, Literal["agree", "diverge"]] = {}
+    finding: Finding
+    reason: str = ""
 
 
 class PairRecord(Record):
@@ -119,7 +132,7 @@ class PairRecord(Record):
     flip: float | None = None
     worst: Worst | None = None
     explained: float | None = None
-    causes: list[Cause] = []
+    causes: list[Found] = []
 
 
 class ExpectationRecord(Record):
@@ -128,6 +141,7 @@ class ExpectationRecord(Record):
     adapter: str
     cause: str
     when: str | None = None
+    held: bool | None = Field(default=None, description="whether the cause was found; null where no picture could be judged")
 
 
 class CaseRecord(Record):

@@ -60,8 +60,8 @@ class ShadingRules:
     behind_weighted: bool = True
     """raytraced: False: L_2 is not multiplied by t (local terms and transmitted ray)."""
     vertex_lighting: bool = False
-    """Meshes: the radiance that leaves each vertex (with the vertex normal; flat meshes: the face normal) is interpolated linearly
-    over the triangle (perspective-correct). Other shapes are shaded as always."""
+    """Meshes: the radiance that leaves each vertex (with the vertex normal; flat meshes: the face normal) is interpolated
+    linearly over the triangle (perspective-correct). Other shapes are shaded as always."""
 
 
 MODEL_RULES = ShadingRules()

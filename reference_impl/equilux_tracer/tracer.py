@@ -35,8 +35,13 @@ class Tracer:
     """
 
     def __init__(
-        self, case: Case, *, precision: Literal["exact"] = "exact", error_target: float = ERROR_TARGET, rules: ShadingRules = MODEL_RULES,
-    ) -> None:  # fmt: skip
+        self,
+        case: Case,
+        *,
+        precision: Literal["exact"] = "exact",
+        error_target: float = ERROR_TARGET,
+        rules: ShadingRules = MODEL_RULES,
+    ) -> None:
         if precision != "exact":
             raise _tracer.TracerError(f"precision: got {precision!r}, allowed 'exact'")
         self.case = case

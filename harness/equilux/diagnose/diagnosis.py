@@ -33,11 +33,11 @@ class Alternative(_Record):
 class Found(_Record):
     """One cause of a diagnosis; or, with id `unexplained`, what no cause accounts for.
 
-    explained: share of the diverging pixels that is lost when this cause alone is left out (for `unexplained`: the share that stays
-    diverging). residual_max_abs: the largest |a − changed reference| over the pixels that are not edges, W/(m²·sr), all causes
-    together. words: the cause in a sentence with its parameter. recognised: the parameter's name where it has one: "π", "1/4π",
-    "255/256". declared: the adapter declares it. alternatives: causes that the scene cannot tell from this one. terms: for
-    `unexplained`: correlation of what is left with each term of the reference, strongest first.
+    explained: share of the diverging pixels that is lost when this cause alone is left out (for `unexplained`: the share that
+    stays diverging). residual_max_abs: the largest |a − changed reference| over the pixels that are not edges, W/(m²·sr), all
+    causes together. words: the cause in a sentence with its parameter. recognised: the parameter's name where it has one: "π",
+    "1/4π", "255/256". declared: the adapter declares it. alternatives: causes that the scene cannot tell from this one. terms:
+    for `unexplained`: correlation of what is left with each term of the reference, strongest first.
     """
 
     id: str
@@ -59,10 +59,10 @@ class Found(_Record):
 class Diagnosis(_Record):
     """Why one render departs from the truth of its case.
 
-    diverging: pixels that diverged before. explained: the share of them that all causes together bring within uncertainty; broken:
-    pixels that agreed before and no longer do under the causes. causes: proven ones, most explaining first; last `unexplained` where
-    anything is left. dialect: how the render stands to the adapter's declared dialect: agree, diverge, or None where nothing
-    declared concerns the case. seconds: what the diagnosis took.
+    diverging: pixels that diverged before. explained: the share of them that all causes together bring within uncertainty;
+    broken: pixels that agreed before and no longer do under the causes. causes: proven ones, most explaining first; last
+    `unexplained` where anything is left. dialect: how the render stands to the adapter's declared dialect: agree, diverge, or
+    None where nothing declared concerns the case. seconds: what the diagnosis took.
     """
 
     adapter: str

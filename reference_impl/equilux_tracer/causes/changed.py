@@ -18,8 +18,8 @@ class ChangedTracer:
     """A case as a renderer with these causes would show it. Any number of threads may use it at the same time.
 
     causes are applied in order: first all that change the scene, then the shading rules, then, as the picture is made, all that
-    change where a pixel looks (the last one applied is the outermost), then what it shows. rules: by id. Raises KeyError for an id
-    without a rule, TracerError for a scene that cannot be computed with.
+    change where a pixel looks (the last one applied is the outermost), then what it shows. rules: by id. Raises KeyError for an
+    id without a rule, TracerError for a scene that cannot be computed with.
     """
 
     def __init__(self, case: Case, causes: Sequence[Applied], rules: Mapping[str, Rule], *, error_target: float = 1e-6) -> None:
@@ -53,8 +53,8 @@ class ChangedTracer:
         return out
 
     def sensitivity(self, normal: Any, position_m: Any) -> Floats:
-        """(h, w, 3): see `Tracer.sensitivity`, of what this renderer shows: the largest step that the picture's own rules make of a
-        step up or down."""
+        """(h, w, 3): see `Tracer.sensitivity`, of what this renderer shows: the largest step that the picture's own rules make of
+        a step up or down."""
         film = self.case.scene.film
         rows, columns = np.mgrid[0 : film.height, 0 : film.width]
         asked = np.stack([columns.ravel() + 0.5, rows.ravel() + 0.5], axis=-1)

@@ -141,7 +141,8 @@ class Rule:
 
 def is_neutral(rule: Rule, applied: Applied) -> bool:
     """Whether the parameter is the one at which the rule changes nothing."""
-    if not isinstance(rule.parameter, Continuous) or rule.parameter.neutral is None or not isinstance(applied.parameter, float | int):
+    neutral = rule.parameter.neutral if isinstance(rule.parameter, Continuous) else None
+    if neutral is None or not isinstance(applied.parameter, float | int):
         return False
-    return math.isclose(float(applied.parameter), rule.parameter.neutral, rel_tol=1e-12)
+    return math.isclose(float(applied.parameter), neutral, rel_tol=1e-12)
 
