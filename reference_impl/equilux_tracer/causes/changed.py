@@ -22,18 +22,30 @@ class ChangedTracer:
     id without a rule, TracerError for a scene that cannot be computed with.
     """
 
-    def __init__(self, case: Case, causes: Sequence[Applied], rules: Mapping[str, Rule], *, error_target: float = 1e-6) -> None:
+    def __init__(
+        self, case: Case, causes: Sequence[Applied], rules: Mapping[str, Rule], *, error_target: float = 1e-6,
+        tracer: Tracer | None = None,
+    ) -> None:  # fmt: skip
+        """tracer: of the scene that these causes make, where it has been built before: causes of the picture alone share it."""
         self.case = case
         """The unchanged case."""
         self.causes = tuple(causes)
         self._rules = [(rules[applied.cause], applied) for applied in causes]
+        self._tracer = tracer or self._of_changed_scene(error_target)
+        self.changed_case = self._tracer.case
+
+    def _of_changed_scene(self, error_target: float) -> Tracer:
         shading = MODEL_RULES
-        changed = case
+        changed = self.case
         for rule, applied in self._rules:
             changed = rule.change_case(changed, applied)
             shading = rule.change_shading(shading, applied)
-        self.changed_case = changed
-        self._tracer = Tracer(changed, error_target=error_target, rules=shading)
+        return Tracer(changed, error_target=error_target, rules=shading)
+
+    @property
+    def of_scene(self) -> Tracer:
+        """The tracer of the changed scene, before anything changes its picture."""
+        return self._tracer
 
     def render(self, channels: Sequence[str] = ("radiance",)) -> Arrays:
         """The whole film; see `Tracer.render`."""
@@ -47,9 +59,9 @@ class ChangedTracer:
         """At film positions (n, 2) in pixels; see `Tracer.evaluate`. Only "radiance" is changed by what changes pixels' values;
         every channel is by what changes where they look."""
         asked = np.asarray(film_xy, np.float64)
-        out = self._tracer.evaluate(self._looked_at(asked), channels)
+        out = self._tracer.evaluate(self.looked_at(asked), channels)
         if "radiance" in out:
-            out["radiance"] = self._shown(out["radiance"], asked)
+            out["radiance"] = self.shown(out["radiance"], asked)
         return out
 
     def sensitivity(self, normal: Any, position_m: Any) -> Floats:
@@ -58,19 +70,21 @@ class ChangedTracer:
         film = self.case.scene.film
         rows, columns = np.mgrid[0 : film.height, 0 : film.width]
         asked = np.stack([columns.ravel() + 0.5, rows.ravel() + 0.5], axis=-1)
-        looked_at = self._looked_at(asked)
+        looked_at = self.looked_at(asked)
         moved = self._tracer.sensitivity(normal, position_m, film_xy=looked_at)
         radiance = self._tracer.evaluate(looked_at, ("radiance",))["radiance"]
-        here = self._shown(radiance, asked)
-        up, down = self._shown(radiance + moved, asked), self._shown(np.maximum(radiance - moved, 0), asked)
+        here = self.shown(radiance, asked)
+        up, down = self.shown(radiance + moved, asked), self.shown(np.maximum(radiance - moved, 0), asked)
         return np.maximum(np.abs(up - here), np.abs(down - here)).reshape(film.height, film.width, 3)
 
-    def _looked_at(self, film_xy: Floats) -> Floats:
+    def looked_at(self, film_xy: Floats) -> Floats:
+        """Where on the changed scene's film the picture shows what it shows at film_xy, (n, 2) pixels."""
         for rule, applied in reversed(self._rules):
             film_xy = rule.change_film(film_xy, self.case, applied)
         return np.ascontiguousarray(film_xy)
 
-    def _shown(self, radiance: Floats, film_xy: Floats) -> Floats:
+    def shown(self, radiance: Floats, film_xy: Floats) -> Floats:
+        """What the picture shows at film_xy where the changed scene's radiance is `radiance`, (n, 3)."""
         for rule, applied in self._rules:
             radiance = rule.change_radiance(radiance, film_xy, self.case, applied)
         return np.ascontiguousarray(radiance, dtype=np.float64)
