@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -10,7 +11,7 @@ import numpy.typing as npt
 
 from equilux_scenes.case import Case
 from equilux_tracer.causes.rule import Applied, Floats, Rule
-from equilux_tracer.shading_rules import MODEL_RULES
+from equilux_tracer.shading_rules import MODEL_RULES, ShadingRules
 from equilux_tracer.tracer import Arrays, Tracer
 
 

@@ -58,8 +58,21 @@ class Continuous:
 
 
 @dataclass(frozen=True)
+class Vector:
+    """A parameter that is several numbers at once. There is no grid to search: `Rule.estimates` finds them.
+
+    names: of the components. step: from an estimate, how far to look first when refining it. neutral: as in `Continuous`.
+    """
+
+    names: tuple[str, ...]
+    unit: str
+    step: float
+    neutral: tuple[float, ...] | None = None
+
+
+@dataclass(frozen=True)
 class Discrete:
-    """A parameter with few possible values, which `Rule.hypotheses` lists."""
+    """A parameter with few possible values: `Rule.hypotheses` lists them, or leaves None and `Rule.estimates` picks some."""
 
     name: str
     unit: str = ""
@@ -96,7 +109,7 @@ class Rule:
     formula: ClassVar[tuple[str, str]]
     readings: ClassVar[Mapping[str, str]] = {"": ""}
     """Ways in which renderers are known to carry out this one idea: name → formula or words. The first is named ""."""
-    parameter: ClassVar[Continuous | Discrete | None] = None
+    parameter: ClassVar[Continuous | Vector | Discrete | None] = None
     suspects: ClassVar[Literal["renderer", "translation"]] = "renderer"
     """Whose fault it more likely is where nobody declared it: the renderer's own code, or the translation to it (axes, units,
     order of bands, names)."""
@@ -111,8 +124,9 @@ class Rule:
         return [Applied(self.id, None, reading) for reading in self.readings]
 
     def estimates(self, hypothesis: Applied, evidence: Evidence) -> Sequence[Applied]:
-        """Values to start from for a continuous parameter, best first; the search refines them. Without an override: a coarse
-        grid over the parameter's range."""
+        """Values to start from, best first, for a hypothesis whose parameter was left None; the search refines those that are
+        continuous (floats, or tuples of a `Vector`). What comes back may have another reading than `hypothesis`, and there may
+        be none: then the evidence speaks against it. Without an override: a coarse grid over a `Continuous` parameter's range."""
         if not isinstance(self.parameter, Continuous):
             return [hypothesis]
         low, high = self.parameter.low, self.parameter.high
@@ -141,8 +155,12 @@ class Rule:
 
 def is_neutral(rule: Rule, applied: Applied) -> bool:
     """Whether the parameter is the one at which the rule changes nothing."""
-    neutral = rule.parameter.neutral if isinstance(rule.parameter, Continuous) else None
-    if neutral is None or not isinstance(applied.parameter, float | int):
-        return False
-    return math.isclose(float(applied.parameter), neutral, rel_tol=1e-12)
+    neutral = rule.parameter.neutral if isinstance(rule.parameter, Continuous | Vector) else None
+    if isinstance(neutral, tuple):
+        given = applied.parameter if isinstance(applied.parameter, tuple) else ()
+        return len(given) == len(neutral) and all(_close(a, b) for a, b in zip(given, neutral, strict=True))
+    return neutral is not None and _close(applied.parameter, neutral)
 
+
+def _close(value: object, neutral: float) -> bool:
+    return isinstance(value, float | int) and math.isclose(float(value), neutral, rel_tol=1e-12, abs_tol=1e-12)
