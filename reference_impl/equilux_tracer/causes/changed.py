@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from functools import lru_cache
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -11,7 +10,7 @@ import numpy.typing as npt
 
 from equilux_scenes.case import Case
 from equilux_tracer.causes.rule import Applied, Floats, Rule
-from equilux_tracer.shading_rules import MODEL_RULES, ShadingRules
+from equilux_tracer.shading_rules import MODEL_RULES
 from equilux_tracer.tracer import Arrays, Tracer
 
 
@@ -80,12 +79,17 @@ class ChangedTracer:
 
     def looked_at(self, film_xy: Floats) -> Floats:
         """Where on the changed scene's film the picture shows what it shows at film_xy, (n, 2) pixels."""
-        for rule, applied in reversed(self._rules):
-            film_xy = rule.change_film(film_xy, self.case, applied)
-        return np.ascontiguousarray(film_xy)
+        return np.ascontiguousarray(self._places(film_xy)[0])
 
     def shown(self, radiance: Floats, film_xy: Floats) -> Floats:
         """What the picture shows at film_xy where the changed scene's radiance is `radiance`, (n, 3)."""
-        for rule, applied in self._rules:
-            radiance = rule.change_radiance(radiance, film_xy, self.case, applied)
+        for (rule, applied), place in zip(self._rules, self._places(film_xy)[1:], strict=True):
+            radiance = rule.change_radiance(radiance, place, self.case, applied)
         return np.ascontiguousarray(radiance, dtype=np.float64)
+
+    def _places(self, film_xy: Floats) -> list[Floats]:
+        """First where the film is looked at; then, cause by cause, at which place of the picture made so far it is seen."""
+        places = [film_xy]
+        for rule, applied in reversed(self._rules):
+            places.append(rule.change_film(places[-1], self.case, applied))
+        return places[::-1]

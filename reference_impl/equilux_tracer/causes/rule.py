@@ -149,7 +149,8 @@ class Rule:
         return film_xy
 
     def change_radiance(self, radiance: Floats, film_xy: Floats, case: Case, applied: Applied) -> Floats:
-        """The renderer's value where the radiance is `radiance`, (n, 3) → (n, 3), pixel by pixel."""
+        """The renderer's value where the radiance is `radiance`, (n, 3) → (n, 3), pixel by pixel. film_xy: (n, 2), where in the
+        picture that this rule makes."""
         return radiance
 
 
