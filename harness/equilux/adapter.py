@@ -146,8 +146,14 @@ class Adapter(Protocol):
     """One renderer. Instances are stateless as far as the engine can tell; long-lived renderer state belongs to the worker
     process.
 
-    Optional, because most need it not: `code_packages`, a tuple of names of packages outside the adapter's own that have a
-    part in its pictures. When a file of the adapter's package, or of one of these, changes, no render made before is reused.
+    Optional, because most need it not:
+
+    `code_packages`, a tuple of names of packages outside the adapter's own that have a part in its pictures. When a file of the
+    adapter's package, or of one of these, changes, no render made before is reused.
+
+    `dialect`, a sequence of `equilux.dialect.Declared`: what this renderer always does otherwise than the model says
+    (`Declared("exponent-clamped", 128)`). A departure that it reproduces is reported as a difference of models, any other one as
+    a bug. What `lack_causes` names is declared by that.
     """
 
     name: str

@@ -7,15 +7,16 @@ import json
 import os
 import shutil
 import threading
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from equilux import budget_file, compare, uncertainty
+from equilux import budget_file, compare, diagnosing, uncertainty
 from equilux.adapter import Budget, Case, Geometric, Image
+from equilux.diagnose.diagnosis import Diagnosis
 from equilux.identity import case_digest, comparer_identity
 from equilux.job import BUDGET_FILE, IMAGE_FILE, LOG_FILE, PROGRAM_FOLDER, WORK_FOLDER, Outcome
 from equilux.lazytracer import LazyTracer
@@ -24,7 +25,7 @@ from equilux.planes import read_planes, write_planes
 from equilux.results import Luminance
 from equilux.reuse import Store, key
 from equilux.tree import Tree, read_json
-from equilux.trust import ordered_pair
+from equilux.trust import TRUTHS, ordered_pair, truth_among
 from equilux.uncertainty import Uncertainty
 from equilux.wholefile import write_json
 from equilux.worker import BadDelivery, checked_image, describe_program
@@ -52,6 +53,8 @@ class Delivered:
     side: compare.RenderedImage
     digest: str
     """Hash of the image and its budget."""
+    budget: Callable[[], Budget | None]
+    """The budget that the image came with; None where it is not known any more."""
 
 
 @dataclass
@@ -67,8 +70,10 @@ class CaseWork:
     pairs: dict[tuple[str, str], dict[str, Any]] = field(default_factory=dict)
     luminance: dict[str, Luminance] = field(default_factory=dict)
     """By adapter, of the renders that delivered."""
+    diagnoses: dict[str, Diagnosis] | None = None
+    """By adapter, of the renders that diverge from the truth; None until `diagnose` was called."""
     errors: list[str] = field(default_factory=list)
-    """Faults of the engine itself: comparisons that raised."""
+    """Faults of the engine itself: comparisons and diagnoses that raised."""
     _delivered: dict[str, Delivered] = field(default_factory=dict)
     _lock: threading.Lock = field(default_factory=threading.Lock)
 
@@ -94,7 +99,7 @@ class CaseWork:
                 stated = self._stated(budget, image)
                 digest = _digest(image, budget)
                 image_facts = _image_facts(image, stated) | {"digest": digest}
-                delivered = Delivered(compare.RenderedImage(who.adapter, image, stated), digest)
+                delivered = Delivered(compare.RenderedImage(who.adapter, image, stated), digest, lambda: budget)
                 if any(image_facts[kind] for kind in ("nan", "+inf", "-inf", "negative")):
                     status, reason = "invalid", _invalid_reason(image_facts)
                 elif not reused and self.store is not None and who.key is not None:
@@ -168,7 +173,10 @@ class CaseWork:
         if hashlib.sha256(image.tobytes()).hexdigest() != record["image"]["sha256"]:
             return False
         record["reused"] = True
-        self._join(who.adapter, record, Delivered(compare.RenderedImage(who.adapter, image, stated), record["image"]["digest"]))
+        diagnosing.save(None, folder)  # it is made again, or found in the store: what it was made against may have changed
+        its_key = str(who.key)
+        side = compare.RenderedImage(who.adapter, image, stated)
+        self._join(who.adapter, record, Delivered(side, record["image"]["digest"], lambda: self._remembered_budget(its_key)))
         return True
 
     def _load(self, folder: Path) -> tuple[Image, Budget]:
@@ -213,6 +221,18 @@ class CaseWork:
 
         if self.store is not None:
             self.store.put("renders", its_key, fill)
+
+    def _remembered_budget(self, its_key: str) -> Budget | None:
+        """The budget of a render that the store holds."""
+        folder = self.tree.stage()
+        try:
+            if self.store is not None and self.store.fetch("renders", its_key, folder):
+                return budget_file.load(folder / BUDGET_FILE)
+        except budget_file.MalformedBudget:
+            pass  # as good as absent
+        finally:
+            shutil.rmtree(folder, ignore_errors=True)
+        return None
 
     def _join(self, adapter: str, record: dict[str, Any], delivered: Delivered | None, *, compare_too: bool = True) -> None:
         """Add a render to the case and compare it with those that are already there."""
@@ -268,6 +288,45 @@ class CaseWork:
             return result.json
         finally:
             shutil.rmtree(folder, ignore_errors=True)
+
+    @property
+    def diverges(self) -> bool:
+        """Whether there is anything to diagnose."""
+        return bool(self._divergent())
+
+    def _divergent(self) -> dict[str, tuple[Delivered, dict[str, Any]]]:
+        """The renders of laboratories that have pixels which diverge from the truth, each with its pair."""
+        truth = truth_among(self._delivered)
+        pairs = {name: self.pairs.get((name, truth)) for name in sorted(self._delivered) if truth and name not in TRUTHS}
+        return {
+            name: (self._delivered[name], pair)
+            for name, pair in pairs.items()
+            if pair is not None and pair["verdict"] == "diverge" and pair["diverge"]
+        }
+
+    def diagnose(self, method: diagnosing.Method) -> None:
+        """Say why each render diverges from the truth, where one does. To be called once, when the case is complete."""
+        self.diagnoses = {}
+        for name, (delivered, pair) in self._divergent().items():
+            try:
+                found = self._diagnosed(delivered, self._delivered[pair["b"]], pair, method)
+                diagnosing.save(found, self.tree.render_folder(self.case.name, name))
+                self.diagnoses[name] = found
+            except Exception as problem:  # ours, not the renderer's
+                self.errors.append(f"{self.case.name}: diagnosing {name} failed: {type(problem).__name__}: {problem}")
+
+    def _diagnosed(self, render: Delivered, truth: Delivered, pair: dict[str, Any], method: diagnosing.Method) -> Diagnosis:
+        name = render.side.adapter
+        subject = diagnosing.Subject(
+            render.side,
+            render.digest,
+            truth.side,
+            truth.digest,
+            lambda: diagnosing.scored_pair(pair, self.tree.pairs_folder(self.case.name)),
+            render.budget,
+            tuple(expectation.cause for expectation in self.case.expectations if expectation.adapter == name),
+        )
+        return diagnosing.diagnosed(self.case, subject, method, self.store, self.tree)
 
     def forget_pictures(self) -> None:
         """Give back the memory of a case that is complete."""

@@ -6,9 +6,13 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from equilux_scenes.causes import is_known
+
 if TYPE_CHECKING:
     from equilux_scenes.case import Case
     from equilux_tracer.causes import Applied
+
+_MODEL = "model."
 
 
 @dataclass(frozen=True)
@@ -29,13 +33,40 @@ class Declared:
 
 
 def declared_dialect(adapter: Any) -> tuple[Declared, ...]:
-    """The adapter's optional attribute `dialect`: a sequence of Declared."""
-    return tuple(getattr(adapter, "dialect", ()))
+    """The adapter's optional attribute `dialect`, and after it the causes that stand for its lacks (`lack_causes`) as far as the
+    dialect does not name them: they are declarations too."""
+    dialect = tuple(getattr(adapter, "dialect", ()))
+    named = {declared.cause for declared in dialect}
+    lacking: dict[str, tuple[str, ...]] = {}
+    for feature, cause in getattr(adapter, "lack_causes", {}).items():
+        if cause not in named:
+            lacking[cause] = (*lacking.get(cause, ()), feature)
+    return (*dialect, *(Declared(cause, models=_models_of(features)) for cause, features in lacking.items()))
+
+
+def _models_of(features: Sequence[str]) -> tuple[str, ...]:
+    """The models a cause is limited to, where it stands for the lack of models and of nothing else."""
+    if all(feature.startswith(_MODEL) for feature in features):
+        return tuple(feature.removeprefix(_MODEL) for feature in features)
+    return ()
+
+
+def complaints_about(dialect: Any) -> list[str]:
+    """Everything by which a value is no dialect, in words; empty where it is one. Readings and parameters are not looked at:
+    that would need the rules."""
+    if isinstance(dialect, str) or not isinstance(dialect, Sequence):
+        return [f"dialect is a {type(dialect).__name__}, expected a sequence of equilux.dialect.Declared"]
+    wrong = [f"dialect holds a {type(part).__name__}, expected Declared" for part in dialect if not isinstance(part, Declared)]
+    unknown = [part.cause for part in dialect if isinstance(part, Declared) and not is_known(part.cause)]
+    return [*wrong, *(f"dialect: no cause has the id {cause!r}" for cause in unknown)]
 
 
 def dialect_on(case: Case, dialect: Sequence[Declared], rules: Mapping[str, Any]) -> tuple[Applied, ...]:
     """The declared rules that concern this case, ready to be applied: those of its model, whose cause has a rule that may change
-    its picture."""
+    its picture. A rule that needs a parameter which the declaration leaves open cannot be applied.
+
+    Raises ValueError for a reading that the cause does not have.
+    """
     from equilux_tracer.causes import Applied
 
     required = set(case.requires)
@@ -44,6 +75,9 @@ def dialect_on(case: Case, dialect: Sequence[Declared], rules: Mapping[str, Any]
         rule = rules.get(declared.cause)
         if rule is None or (declared.models and case.scene.model not in declared.models) or required & set(declared.unless):
             continue
-        if rule.hypotheses(case):
+        if declared.reading not in rule.readings:
+            allowed = ", ".join(repr(reading) for reading in rule.readings)
+            raise ValueError(f"dialect: {declared.cause} has no reading {declared.reading!r}, allowed {allowed}")
+        if (rule.parameter is None or declared.parameter is not None) and rule.hypotheses(case):
             out.append(Applied(declared.cause, declared.parameter, declared.reading))
     return tuple(out)

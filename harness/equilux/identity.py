@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+from collections.abc import Mapping
 from typing import Any
 from weakref import WeakKeyDictionary
 
@@ -21,6 +22,8 @@ COMPARING_CODE = (
     "equilux_tracer",
 )
 """Code of ours that has a part in every comparison."""
+DIAGNOSING_CODE = (*COMPARING_CODE, "equilux.diagnose", "equilux.diagnosing", "equilux.dialect")
+"""Code of ours that has a part in every diagnosis."""
 
 _digests: WeakKeyDictionary[Case, str] = WeakKeyDictionary()
 
@@ -68,3 +71,11 @@ def comparer_identity() -> str:
     from equilux.compare import COMPARER_VERSION
 
     return f"{COMPARER_VERSION} {code_fingerprint(*COMPARING_CODE)}"
+
+
+def diagnoser_identity(rules: Mapping[str, Any]) -> str:
+    """Version and code of everything that names a divergence: third parties' rules too."""
+    from equilux.compare import COMPARER_VERSION
+
+    foreign = {type(rule).__module__ for rule in rules.values() if not type(rule).__module__.startswith("equilux_tracer.")}
+    return f"{COMPARER_VERSION} {code_fingerprint(*DIAGNOSING_CODE, *sorted(foreign))}"

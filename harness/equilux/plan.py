@@ -16,13 +16,17 @@ RUN = "run"
 
 @dataclass(frozen=True)
 class PlannedRender:
-    """One case for one adapter. `action` is "run", or the status it gets without being run."""
+    """One case for one adapter. `action` is "run", or the status it gets without being run.
+
+    excused: the expected causes that stand for features that the adapter lacks: what lets it render the case at all.
+    """
 
     case: Case
     adapter: str
     action: str
     reason: str | None = None
     missing_features: tuple[str, ...] = ()
+    excused: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -129,7 +133,8 @@ def _planned(
             for feature in models or unexcused  # whoever does not do the model does nothing of the scene
         ]
         return PlannedRender(case, entry.name, "unsupported", f"cannot express {', '.join(notes)}", tuple(unexcused))
-    return PlannedRender(case, entry.name, RUN)
+    stand_ins = dict.fromkeys(cause for feature in lacking if (cause := _stands_for(feature, entry, case)) is not None)
+    return PlannedRender(case, entry.name, RUN, excused=tuple(stand_ins))
 
 
 def _excused(feature: str, entry: Entry, case: Case, *, as_is: bool) -> bool:
@@ -139,6 +144,11 @@ def _excused(feature: str, entry: Entry, case: Case, *, as_is: bool) -> bool:
     """
     if entry.name in TRUTHS or entry.adapter is None:
         return False
-    stands_for = entry.adapter.lack_causes.get(feature)
+    return as_is or _stands_for(feature, entry, case) is not None
+
+
+def _stands_for(feature: str, entry: Entry, case: Case) -> str | None:
+    """The cause that a lacking feature shows as, where the scene expects it."""
+    stands_for = entry.adapter.lack_causes.get(feature) if entry.adapter is not None else None
     expected = {expectation.cause for expectation in case.expectations if expectation.adapter == entry.name}
-    return as_is or stands_for in expected
+    return stands_for if stands_for in expected else None

@@ -15,6 +15,7 @@ from functools import cached_property
 
 from equilux.adapter import API_VERSION, Adapter, Capability, Knobs, Probe
 from equilux.complaint import BadUsage, nearest
+from equilux.dialect import complaints_about
 
 GROUP = "equilux.adapters"
 NAME_PATTERN = re.compile(r"[a-z0-9]+(?:[-_.]?[a-z0-9]+)*")
@@ -127,7 +128,7 @@ def complaints(candidate: object, name: str) -> list[str]:
         share = getattr(candidate, "workers_per_core")  # noqa: B009
         if not isinstance(share, int | float) or not 0 < share < 1000:
             wrong.append(f"workers_per_core is {share!r}, expected a number above 0 and below 1000")
-    return wrong
+    return wrong + complaints_about(getattr(candidate, "dialect", ()))
 
 
 def _is_knobs_model(candidate: object) -> bool:

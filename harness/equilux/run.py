@@ -12,6 +12,7 @@ from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
+from importlib.util import find_spec
 from pathlib import Path
 from types import FrameType
 from typing import Any
@@ -19,41 +20,30 @@ from typing import Any
 from equilux import machine
 from equilux.adapter import Case, Limits
 from equilux.brdf.ofcase import materials_json
+from equilux.caserecord import case_line, case_record
 from equilux.casework import CaseWork, Provenance
+from equilux.diagnosing import TIME_LIMIT_S, Method, known_rules
+from equilux.dialect import declared_dialect
 from equilux.identity import render_key
 from equilux.job import Outcome
-from equilux.judge import FAILED, exit_code, judge_case
+from equilux.judge import FAILED, exit_code
 from equilux.plan import RUN, Plan, PlannedRender
 from equilux.pool import Laboratory, Pool, Request
 from equilux.progress import Progress, Silent
-from equilux.results import (
-    CaseRecord,
-    ExpectationRecord,
-    Luminance,
-    PairRecord,
-    RenderRecord,
-    Results,
-    RunRecord,
-    StatedUncertainty,
-    summarise,
-)
+from equilux.results import CaseRecord, Results, RunRecord, summarise
 from equilux.reuse import Store
 from equilux.tree import RUN_SCHEMA, Tree
 from equilux.wholefile import write_json
 from equilux.workerstart import shared_nursery
-from equilux_scenes.loader import corpus_folder
 
 ENGINE_FAULT = 3
 INTERRUPTED = 130
-JUDGEMENT_WORDS = {
-    "agree": "agree", "diverge_expected": "diverge as expected", "diverge_unexpected": "diverge unexpectedly",
-    "improved": "agree against expectation", "not_comparable": "not comparable",
-}  # fmt: skip
 
 
 @dataclass(frozen=True)
 class Options:
-    """How to carry out a plan. `jobs`: cores to use. `command`: what the user typed, for the record."""
+    """How to carry out a plan. `jobs`: cores to use. `diagnose`: say why renders diverge, each within `diagnosis_limit_s`.
+    `command`: what the user typed, for the record."""
 
     out: Path
     jobs: int = field(default_factory=machine.available_cores)
@@ -62,6 +52,8 @@ class Options:
     store: Store | None = None
     fail_fast: bool = False
     flip: bool = False
+    diagnose: bool = find_spec("equilux.diagnose.search") is not None  # until it is there
+    diagnosis_limit_s: float = TIME_LIMIT_S
     command: tuple[str, ...] = ()
 
 
@@ -99,6 +91,10 @@ class _Run:
         self._knobs = {name: knobs.model_dump(mode="json") for name, knobs in plan.knobs.items()}
         self._versions = {entry.name: entry.version for entry in plan.entries}
         self._keys = dict(identity["adapters"])
+        self._dialects = {entry.name: declared_dialect(entry.adapter) for entry in plan.entries if entry.adapter is not None}
+        self._excused: dict[str, dict[str, tuple[str, ...]]] = {case.name: {} for case in plan.cases}
+        for render in plan.renders:
+            self._excused[render.case.name][render.adapter] = render.excused
         self._started = (datetime.now(UTC), time.monotonic())
         self._lock = threading.Lock()
         self._pool: Pool | None = None
@@ -107,9 +103,9 @@ class _Run:
     # --- carrying out -------------------------------------------------------------------------------------------------
 
     def carry_out(self) -> None:
-        """Everything that needs no renderer first, then the renders, with comparison running beside them."""
+        """Everything that needs no renderer first, then the renders, with comparison and diagnosis running beside them."""
         self._progress.begin(len(self._plan.renders), len(self._plan.cases))
-        workers = ThreadPoolExecutor(max(2, self._options.jobs), thread_name_prefix="equilux-compare")
+        self._workers = workers = ThreadPoolExecutor(max(2, self._options.jobs), thread_name_prefix="equilux-compare")
         try:
             pending = [workers.submit(self._without_rendering, planned) for planned in self._plan.renders]
             to_render = [planned for planned, future in zip(self._plan.renders, pending, strict=True) if not _result(future)]
@@ -188,14 +184,22 @@ class _Run:
         if status in (*FAILED, "invalid"):
             self._progress.note(f"{case.name}: {adapter} {status}: {reason or ''}".rstrip(": "))
         work = self._work[case.name]
-        if complete:
-            judged = self._judged(work)
-            self._progress.case_done(_case_line(work, judged))
-            work.forget_pictures()
-            if self._options.fail_fast and any(pair.judged in ("diverge_unexpected", "improved") for pair in judged.pairs):
-                self._stop("--fail-fast: " + case.name)
+        if complete and work.diverges and self._options.diagnose:
+            self._workers.submit(self._complete, work)  # renders that wait to be compared go first
+        elif complete:
+            self._complete(work)
         if self._options.fail_fast and (status in FAILED or (status == "missing" and adapter in self._plan.named)):
             self._stop(f"--fail-fast: {case.name}: {adapter} {status}")
+
+    def _complete(self, work: CaseWork) -> None:
+        """Diagnose and judge a case whose renders are all there."""
+        if self._options.diagnose and self._stopped_by is None:
+            work.diagnose(Method(self._dialects, self._options.diagnosis_limit_s))
+        judged = self._judged(work)
+        self._progress.case_done(case_line(work, judged))
+        work.forget_pictures()
+        if self._options.fail_fast and any(pair.judged in ("diverge_unexpected", "improved") for pair in judged.pairs):
+            self._stop("--fail-fast: " + work.case.name)
 
     # --- stopping -----------------------------------------------------------------------------------------------------
 
@@ -258,26 +262,7 @@ class _Run:
         return Finished(results, code, errors)
 
     def _judged(self, work: CaseWork) -> CaseRecord:
-        case = work.case
-        pairs = [work.pairs[names] for names in sorted(work.pairs)]
-        judged = judge_case(case, {name: record["status"] for name, record in work.records.items()}, pairs)
-        return CaseRecord(
-            case=case.name,
-            scene=case.scene_name,
-            model=case.scene.model,
-            about=case.scene.about,
-            scene_file=_scene_file(case),
-            axes=dict(case.axes),
-            width=case.scene.film.width,
-            height=case.scene.film.height,
-            requires=list(case.requires),
-            photometry=work.photometry,
-            expect=[
-                ExpectationRecord(adapter=used.adapter, cause=used.cause, when=used.when) for used in judged.expectations_used
-            ],
-            renders={name: _render_record(work.records[name], work.luminance.get(name)) for name in sorted(work.records)},
-            pairs=[_pair_record(pair, judged.judged[pair["a"], pair["b"]]) for pair in pairs],
-        )
+        return case_record(work, self._excused[work.case.name], known_rules() if self._options.diagnose else ())
 
     def _clock(self) -> tuple[str, str, float]:
         began, began_monotonic = self._started
@@ -327,6 +312,8 @@ class _Run:
                     "reuse": options.reuse,
                     "fail_fast": options.fail_fast,
                     "flip": options.flip,
+                    "diagnose": options.diagnose,
+                    "diagnosis_limit_s": options.diagnosis_limit_s,
                 },
                 "identity": self._identity,
             },
@@ -335,43 +322,3 @@ class _Run:
 
 def _result(future: Future[bool]) -> bool:
     return future.result()
-
-
-def _render_record(record: Mapping[str, Any], luminance: Luminance | None) -> RenderRecord:
-    stated = record["uncertainty"]
-    return RenderRecord(
-        status=record["status"],
-        reason=record["reason"],
-        missing_features=record["missing_features"],
-        signal=record["signal"],
-        attempts=record["attempts"],
-        version=record["version"],
-        seconds=record["seconds"],
-        reused=record["reused"],
-        luminance=luminance,
-        uncertainty=StatedUncertainty(**{name: stated[name] for name in StatedUncertainty.model_fields}) if stated else None,
-    )
-
-
-def _pair_record(pair: Mapping[str, Any], judged: str) -> PairRecord:
-    fields = {name: pair[name] for name in PairRecord.model_fields if name in pair}
-    return PairRecord.model_validate(fields | {"judged": judged, "expected": judged == "diverge_expected"})
-
-
-def _scene_file(case: Case) -> str | None:
-    """The spec's file, relative to the corpus or to the folder the run was started in; elsewhere its last two parts."""
-    if case.source is None:
-        return None
-    source = case.source.resolve()
-    for base in (corpus_folder().resolve(), Path.cwd()):
-        if source.is_relative_to(base):
-            return source.relative_to(base).as_posix()
-    return Path(*source.parts[-2:]).as_posix()
-
-
-def _case_line(work: CaseWork, judged: CaseRecord) -> str:
-    """A finished case in one line."""
-    renders = ", ".join(f"{name} {record.status}" for name, record in judged.renders.items())
-    counts = Counter(str(pair.judged) for pair in judged.pairs)
-    pairs = ", ".join(f"{counts[judgement]} {words}" for judgement, words in JUDGEMENT_WORDS.items() if counts[judgement])
-    return f"{work.case.name}: {renders}; {f'pairs: {pairs}' if pairs else 'no pair'}"

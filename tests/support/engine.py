@@ -66,12 +66,13 @@ def planned(
 def run(
     out: Path, *names: str, scenes: Sequence[SceneFile] | None = None, settings: Sequence[str] = (), named: bool = True,
     as_is: bool = False, store: Path | None = None, reuse: bool = True, timeout_s: float = 20.0, memory_bytes: int = 8 << 30,
-    jobs: int = 2, fail_fast: bool = False, progress: Progress | None = None,
+    jobs: int = 2, fail_fast: bool = False, progress: Progress | None = None, diagnose: bool = False,
 ) -> Finished:  # fmt: skip
-    """One run with these fakes and the fake oracle. Without a store nothing is remembered between runs."""
+    """One run with these fakes and the fake oracle. Without a store nothing is remembered between runs. Without `diagnose`
+    expectations are judged by presence: the fakes paint a ramp, which no scene shows and no cause explains."""
     what = planned(names, scenes, settings, named=named, as_is=as_is)
     options = Options(out=out, jobs=jobs, limits=Limits(timeout_s, memory_bytes), reuse=reuse, fail_fast=fail_fast,
-                      store=Store(store) if store is not None else None)  # fmt: skip
+                      diagnose=diagnose, store=Store(store) if store is not None else None)  # fmt: skip
     return execute(what, options, progress)
 
 

@@ -34,6 +34,8 @@ def run(
     as_is: Flag = False,
     html: bool = True,
     flip: Flag = False,
+    diagnose: bool = True,
+    diagnosis_timeout: float = 20.0,
     limit: Annotated[tuple[str, ...], Parameter(name="--limit", negative="")] = (),
     json: Flag = False,
 ) -> int:
@@ -72,12 +74,17 @@ def run(
         Build the HTML report.
     flip
         Compute HDR-FLIP too, a perceptual aid; slow.
+    diagnose
+        Say why a render diverges from the truth, and judge expectations by their causes.
+    diagnosis_timeout
+        Seconds that the diagnosis of one render may take.
     limit
         Raise a limit on specs, NAME=VALUE; may be given several times.
     json
         Print results.json (with --plan: the plan; on bad specs: the list of errors) to stdout.
     """
     inputs.above_zero("--timeout", timeout, "seconds")
+    inputs.above_zero("--diagnosis-timeout", diagnosis_timeout, "seconds")
     if memory is not None:
         inputs.above_zero("--memory", memory, "MiB")
     if jobs is not None:
@@ -93,7 +100,8 @@ def run(
         return _show_plan(planned, as_json=json)
     from equilux.run import ENGINE_FAULT, INTERRUPTED
 
-    finished = _execute(planned, out, jobs, timeout, memory, reuse=reuse, fail_fast=fail_fast, flip=flip)
+    diagnosis_limit_s = diagnosis_timeout if diagnose else None
+    finished = _execute(planned, out, jobs, timeout, memory, diagnosis_limit_s, reuse=reuse, fail_fast=fail_fast, flip=flip)
     _tell(finished, out, as_json=json)
     if html and finished.exit_code != INTERRUPTED:
         try:
@@ -150,10 +158,12 @@ def _show_plan(plan: Plan, *, as_json: bool) -> int:
 
 
 def _execute(
-    plan: Plan, out: Path, jobs: int | None, timeout: float, memory: float | None, *, reuse: bool, fail_fast: bool, flip: bool
-) -> Finished:
+    plan: Plan, out: Path, jobs: int | None, timeout: float, memory: float | None, diagnosis_limit_s: float | None, *,
+    reuse: bool, fail_fast: bool, flip: bool,
+) -> Finished:  # fmt: skip
     from equilux import progress
     from equilux.adapter import Limits
+    from equilux.diagnosing import TIME_LIMIT_S
     from equilux.machine import available_cores, usable_memory
     from equilux.reuse import Store, default_root
     from equilux.run import Options, execute
@@ -167,6 +177,8 @@ def _execute(
         store=store,
         fail_fast=fail_fast,
         flip=flip,
+        diagnose=diagnosis_limit_s is not None,
+        diagnosis_limit_s=diagnosis_limit_s or TIME_LIMIT_S,
         command=("equilux", *sys.argv[1:]),
     )
     finished = execute(plan, options, progress.suitable())

@@ -1,4 +1,7 @@
-"""What is expected, what has improved, and which exit code a run ends with (contracts §2 and §3)."""
+"""What is expected, what has improved, and which exit code a run ends with (contracts §2 and §3).
+
+Here without a diagnosis, where the presence of a divergence is all that can be judged; test_judge_by_cause.py has the rest.
+"""
 
 from __future__ import annotations
 

@@ -83,7 +83,8 @@ def test_the_summary_counts_what_the_cases_hold(tree: Path):
 
 def test_expectations_are_named_with_the_case_they_apply_to(tree: Path):
     cold, glowing = Results.model_validate(read_json(tree / "results.json")).cases
-    assert [used.model_dump() for used in glowing.expect] == [{"adapter": "bright", "cause": "scaled", "when": "glow > 0.1"}]
+    (used,) = glowing.expect
+    assert used.model_dump() == {"adapter": "bright", "cause": "scaled", "when": "glow > 0.1", "held": True}
     assert cold.expect == []
 
 
