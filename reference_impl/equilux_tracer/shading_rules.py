@@ -46,6 +46,9 @@ class ShadingRules:
     nothing. t-only: t. k-only: k_trans. ignored: all."""
     shadow_bias_m: float = 0.0
     """Blockers nearer to the surface than this are missed."""
+    shadow_bias: Literal["along-ray", "along-normal"] = "along-ray"
+    """along-ray: what a shadow ray meets before `shadow_bias_m` is missed. along-normal: the ray starts that far off the surface
+    along N, and ends in the light as always."""
     weight_cut: float = 0.0
     """Secondary rays whose weight (its largest band) is below are not followed."""
     total_reflection: Literal["one", "mirror", "transmitted", "none"] = "one"
@@ -58,7 +61,9 @@ class ShadingRules:
     front_weighted: bool = True
     """raytraced: False: L_1 is not multiplied by 1 − t (local terms and mirror ray)."""
     behind_weighted: bool = True
-    """raytraced: False: L_2 is not multiplied by t (local terms and transmitted ray)."""
+    """raytraced: False: L_2 is not multiplied by t (local terms and transmitted ray), of surfaces with t > 0."""
+    opaque_behind: bool = False
+    """With `behind_weighted` False: surfaces with t = 0 have an L_2, too."""
     vertex_lighting: bool = False
     """Meshes: the radiance that leaves each vertex (with the vertex normal; flat meshes: the face normal) is interpolated
     linearly over the triangle (perspective-correct). Other shapes are shaded as always."""

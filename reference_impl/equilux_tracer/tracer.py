@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import asdict
 from typing import Any, Literal
 
 import numpy as np
@@ -49,7 +50,7 @@ class Tracer:
         description = describe(case)
         description.set_error_target(error_target)
         if rules != MODEL_RULES:
-            raise _tracer.TracerError("rules: the kernels do not know them yet")
+            description.set_rules(**asdict(rules))
         self._world = _tracer.World(description)
 
     def render(

@@ -47,6 +47,7 @@ template <class Shape> bool beside(const Shape& shape, const Vec3d& m, double to
 }  // namespace
 
 Obstacles::Obstacles(const World& given) : world(given) {
+  if (!world.description.rules.occlusion) return;  // nothing is in between
   for (std::size_t i = 0; i < world.objects.size(); ++i) {
     const Object& object = world.objects[i];
     if (object.solid == Solid::mesh) continue;

@@ -16,8 +16,6 @@ struct Reflecting {
   bool specular = false;
 };
 
-inline double largest(const Bands& bands) { return std::max({bands.r, bands.g, bands.b}); }
-
 // One per thread, reused.
 class DirectLight {
  public:

@@ -8,14 +8,15 @@
 #include "first_surface.h"
 #include "kernels.h"
 #include "phong.h"
+#include "ruled_emitters.h"
 #include "transport.h"
 
 namespace equilux {
 namespace {
 
-template <bool TermChannels> struct Compiled {
+template <bool TermChannels, bool ChangedRules> struct Compiled {
   using Precision = Exact;
-  static constexpr bool channels = TermChannels;
+  static constexpr bool channels = TermChannels, ruled = ChangedRules;
 };
 
 // One per thread.
@@ -26,15 +27,12 @@ struct Shading {
   ShadowRays shadows;
 };
 
-Bands specular_coefficient(const MaterialDescription& material) {
-  return material.brdf == Brdf::lambert ? Bands{} : material.specular;
-}
-
 // What one delta light may add to the error, lit or not, in units of Rounding::unit; as for model phong.
+template <class F>
 Bands rounding_of_light(const Light& light, const Arriving& arriving, const MaterialDescription& material) {
   if (!arriving.in_cone) return {};
   const double spot = light.given.kind == LightKind::spot ? Rounding::cone(light.given.exponent) : 0;
-  const double cosine = material.brdf == Brdf::phong_cosine ? Rounding::diffuse : 0;
+  const double cosine = material.brdf == Brdf::phong_cosine || F::ruled ? Rounding::diffuse : 0;  // a rule may add one
   const Bands specular = specular_coefficient(material);
   const Bands local = material.diffuse * Rounding::diffuse + specular * (Rounding::lobe(material.exponent) + cosine);
   return light.given.strength * (local * arriving.share + (material.diffuse + specular) * (spot * arriving.attenuated));
@@ -56,6 +54,13 @@ struct Sums {
   Bands radiance, rounding, quadrature;
 };
 
+bool is_visible(Shading& shading, const Light& light, const SurfacePoint& point, const Arriving& arriving) {
+  const bool at_infinity = light.given.kind == LightKind::directional;
+  const Vec3dd direction = at_infinity ? arriving.toward : unit(arriving.toward);
+  const double distance = at_infinity ? std::numeric_limits<double>::infinity() : arriving.distance;
+  return shading.shadows.shadow(leaving(shading.world, point, direction), distance).share.any();
+}
+
 template <class F>
 void add_delta_light(Shading& shading, const SurfacePoint& point, const MaterialDescription& material, std::size_t k, std::size_t slot,
                      Signature& signature, Sums& sums) {
@@ -69,10 +74,7 @@ void add_delta_light(Shading& shading, const SurfacePoint& point, const Material
   bool visible = false, mirrored = false;
   Bands diffuse, specular;
   if (in_front && arriving.in_cone) {
-    const bool at_infinity = light.given.kind == LightKind::directional;
-    const Vec3dd direction = at_infinity ? arriving.toward : unit(arriving.toward);
-    const double distance = at_infinity ? std::numeric_limits<double>::infinity() : arriving.distance;
-    visible = shading.shadows.shadow(leaving(world, point, direction), distance).share.any();
+    visible = is_visible(shading, light, point, arriving);
   }
   if (visible) {
     const Bands irradiance = light.given.strength * arriving.share;
@@ -88,10 +90,47 @@ void add_delta_light(Shading& shading, const SurfacePoint& point, const Material
   if constexpr (F::channels) {
     if (out.diffuse) write(out.diffuse, slot, diffuse);
     if (out.specular) write(out.specular, slot, specular);
-    sums.rounding = sums.rounding + rounding_of_light(light, arriving, material);
+    sums.rounding = sums.rounding + rounding_of_light<F>(light, arriving, material);
     signature.add_light(in_front, arriving.in_cone, mirrored && material.exponent < 1);
     signature.add(visible ? 1 : 0);
   }
+}
+
+// What one light does at one place, under changed rules.
+struct LightTerms {
+  Bands diffuse, specular, rounding, quadrature;
+};
+
+template <class F>
+LightTerms ruled_delta_light(Shading& shading, const Formula& formula, const SurfacePoint& place, const MaterialDescription& material,
+                             std::size_t k, Signature& signature) {
+  const Light& light = shading.world.lights[k];
+  const RuledLight lit = ruled_light(formula, light, place, {});
+  const bool counts = lit.shares.diffuse > 0 || lit.shares.specular > 0;
+  const bool visible = counts && ruled_visibility(shading.shadows, shading.world, light, place, lit.arriving);
+  LightTerms terms;
+  if (visible) {
+    const Bands irradiance = light.given.strength * lit.arriving.share;
+    terms.diffuse = irradiance * material.diffuse * lit.shares.diffuse;
+    terms.specular = irradiance * specular_coefficient(material) * lit.shares.specular;
+  }
+  if constexpr (F::channels) {
+    terms.rounding = rounding_of_light<F>(light, lit.arriving, material);
+    signature.add_light(lit.gate(formula.rules), lit.arriving.in_cone, lit.shares.highlit && material.exponent < 1);
+    signature.add(visible ? 1 : 0);
+  }
+  return terms;
+}
+
+LightTerms ruled_emitter(Shading& shading, const SurfacePoint& place, const MaterialDescription& material, int emitter) {
+  const World& world = shading.world;
+  const Rules& rules = world.description.rules;
+  const Bands emitted = emitter < 0 ? world.description.background : world.description.emitters[static_cast<std::size_t>(emitter)].radiance;
+  const Bands diffuse = emitted * material.diffuse, specular = emitted * specular_coefficient(material);
+  const Reflecting at = ruled_reflecting(rules, shaded_point(place), to_double(place.to_viewer), material);
+  const Terms weight{largest(diffuse), largest(specular)};
+  const Integral seen = ruled_integral(shading.direct, emitter, rules, at, weight, world.description.error_target);
+  return {diffuse * seen.value.diffuse, specular * seen.value.specular, {}, diffuse * seen.error.diffuse + specular * seen.error.specular};
 }
 
 template <class F>
@@ -106,6 +145,36 @@ void add_emitter(Shading& shading, const Reflecting& at, const MaterialDescripti
     if (out.diffuse) write(out.diffuse, slot, diffuse * seen.value.diffuse);
     if (out.specular) write(out.specular, slot, specular * seen.value.specular);
     sums.quadrature = sums.quadrature + diffuse * seen.error.diffuse + specular * seen.error.specular;
+  }
+}
+
+// Delta lights, emitters and environment under changed rules, at each of the lit places.
+template <class F>
+void add_ruled_lights(Shading& shading, const SurfacePoint& point, const MaterialDescription& material, std::size_t first,
+                      Signature& signature, Sums& sums) {
+  const World& world = shading.world;
+  const Outputs& out = shading.out;
+  const std::size_t deltas = world.lights.size(), emitters = world.description.emitters.size();
+  const Formula formula(world, material);
+  LitPlaces places;
+  find_lit_places(world, point, true, places);
+  signature.add_normal(point);
+  for (std::size_t k = 0; k < world.light_count(); ++k) {
+    Bands diffuse, specular;
+    for (int j = 0; j < places.count; ++j) {
+      const SurfacePoint& place = places.at[j];
+      const LightTerms terms = k < deltas ? ruled_delta_light<F>(shading, formula, place, material, k, signature)
+                                          : ruled_emitter(shading, place, material, k < deltas + emitters ? static_cast<int>(k - deltas) : -1);
+      diffuse = diffuse + terms.diffuse * places.weight[j];
+      specular = specular + terms.specular * places.weight[j];
+      sums.rounding = sums.rounding + terms.rounding * places.weight[j];
+      sums.quadrature = sums.quadrature + terms.quadrature * places.weight[j];
+    }
+    sums.radiance = sums.radiance + (diffuse + specular);
+    if constexpr (F::channels) {
+      if (out.diffuse) write(out.diffuse, first + k, diffuse);
+      if (out.specular) write(out.specular, first + k, specular);
+    }
   }
 }
 
@@ -128,7 +197,9 @@ template <class F> void shade(Shading& shading, const SurfacePoint& point, std::
       if (out.specular) write(out.specular, first + k, Bands{});
     }
   }
-  if (reflects) {
+  if (reflects && F::ruled) {
+    if constexpr (F::ruled) add_ruled_lights<F>(shading, point, material, first, signature, sums);
+  } else if (reflects) {
     for (std::size_t k = 0; k < deltas; ++k) add_delta_light<F>(shading, point, material, k, first + k, signature, sums);
     const Reflecting at = reflecting_at(point, material);
     const std::size_t emitters = world.description.emitters.size();
@@ -160,6 +231,7 @@ bool render_with(const World& world, const Samples& samples, const Outputs& out,
       double x, y;
       samples.position(i, x, y);
       if (Exact::find(world, search, x, y, point)) {
+        if constexpr (F::ruled) turn_normal(world.description.rules, point);
         shade<F>(shading, point, i);
       } else {
         write_miss<F>(world, out, i);
@@ -172,7 +244,9 @@ bool render_with(const World& world, const Samples& samples, const Outputs& out,
 
 bool render_emitters(const World& world, const Samples& samples, const Outputs& outputs, int threads, const Cancel* cancel,
                      const Interrupted& interrupted) {
-  const auto kernel = outputs.only_radiance() ? render_with<Compiled<false>> : render_with<Compiled<true>>;
+  const bool ruled = world.description.rules.changed(), channels = !outputs.only_radiance();
+  const auto kernel = ruled ? (channels ? render_with<Compiled<true, true>> : render_with<Compiled<false, true>>)
+                            : (channels ? render_with<Compiled<true, false>> : render_with<Compiled<false, false>>);
   return kernel(world, samples, outputs, threads, cancel, interrupted);
 }
 

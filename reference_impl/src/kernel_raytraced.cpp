@@ -41,7 +41,9 @@ bool render_with(const World& world, const Samples& samples, const Outputs& out,
         continue;
       }
       tracing.begin();
-      shade<F>(tracing, {point, material_of(world, point.object), {1, 1, 1}, 0, Branch::none, i, {}});
+      Journey journey;
+      if constexpr (F::ruled) journey = first_journey(tracing, search.film_ray, point);
+      shade<F>(tracing, {point, material_of(world, point.object), {1, 1, 1}, 0, Branch::none, i, {}, journey});
       if constexpr (F::secondary) {
         if (!follow_all<F>(tracing, i, stopped)) return;
       }
@@ -52,7 +54,8 @@ bool render_with(const World& world, const Samples& samples, const Outputs& out,
 
 using RenderFunction = bool (*)(const World&, const Samples&, const Outputs&, int, const Cancel*, const Interrupted&);
 
-template <bool Channels> RenderFunction choose(const Features& needed) {
+template <bool Channels> RenderFunction choose(const Features& needed, bool ruled) {
+  if (ruled) return render_with<PathFeatures<true, true, true, Channels, Channels, true>>;
   if (needed.transparency) return render_with<PathFeatures<true, true, true, Channels>>;
   if (needed.reflection) return render_with<PathFeatures<true, true, false, Channels>>;
   if (needed.occlusion) return render_with<PathFeatures<true, false, false, Channels>>;
@@ -63,7 +66,8 @@ template <bool Channels> RenderFunction choose(const Features& needed) {
 
 bool render_raytraced(const World& world, const Samples& samples, const Outputs& outputs, int threads, const Cancel* cancel,
                       const Interrupted& interrupted) {
-  const RenderFunction kernel = outputs.only_radiance() ? choose<false>(world.features) : choose<true>(world.features);
+  const bool ruled = world.description.rules.changed();
+  const RenderFunction kernel = outputs.only_radiance() ? choose<false>(world.features, ruled) : choose<true>(world.features, ruled);
   return kernel(world, samples, outputs, threads, cancel, interrupted);
 }
 

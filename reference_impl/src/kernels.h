@@ -11,6 +11,9 @@ bool render_local(const World& world, const Samples& samples, const Outputs& out
 bool render_opengl(const World& world, const Samples& samples, const Outputs& outputs, int threads, const Cancel* cancel,
                    const Interrupted& interrupted);
 
+bool render_ruled(const World& world, const Samples& samples, const Outputs& outputs, int threads, const Cancel* cancel,
+                  const Interrupted& interrupted);  // phong, opengl, with changed rules
+
 bool render_raytraced(const World& world, const Samples& samples, const Outputs& outputs, int threads, const Cancel* cancel,
                       const Interrupted& interrupted);
 

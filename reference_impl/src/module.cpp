@@ -10,6 +10,7 @@
 
 #include "embree_shim.h"
 #include "kernel.h"
+#include "rules_binding.h"
 #include "sensitivity.h"
 
 namespace nb = nanobind;
@@ -214,6 +215,7 @@ void bind_description(nb::module_& m) {
             scene.error_target = error_target;
           },
           nb::arg("error_target"))
+      .def("set_rules", [](SceneDescription& scene, const nb::kwargs& fields) { set_rules(scene.rules, fields); })
       .def(
           "set_film",
           [](SceneDescription& scene, int width, int height) {

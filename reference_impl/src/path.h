@@ -4,99 +4,12 @@
 // holds more than one; where each sends two, as many as the limit.
 #pragma once
 
-#include <vector>
-
-#include "film.h"
-#include "outputs.h"
-#include "raytraced.h"
-#include "spread.h"
+#include "ruled_path.h"
 
 namespace equilux {
 
-// What the kernel is compiled for. Anything that is false here leaves no code behind. Of the combinations that scenes ask for, four are
-// compiled (twice, with and without channels): nothing but the lights; with shadows; with mirrors too; with everything. A scene gets the
-// least one that has all it needs.
-template <bool Shadows, bool Mirrors, bool Glass, bool TermChannels, bool RoundingBound = TermChannels>
-struct PathFeatures {
-  static constexpr bool occlusion = Shadows, reflection = Mirrors, transparency = Glass;
-  static constexpr bool channels = TermChannels, rounding = RoundingBound;  // rounding: the bound, and the spread that it needs
-  static constexpr bool secondary = Mirrors || Glass;
-};
-
-// How the first surface sent the ray whose contribution is being summed up.
-enum class Branch { none, reflected, transmitted };
-
-// A ray to be followed, and what its radiance counts.
-struct Pending {
-  Ray ray;
-  Bands weight;
-  int used = 0;  // of the recursion limit, this ray included
-  Branch branch = Branch::none;
-  Spread spread;
-};
-
-// What one thread has to itself. The sums are one sample's.
-struct Tracing {
-  const World& world;
-  const Outputs& out;
-  Traversal traversal;
-  ShadowRays shadows;
-  std::vector<Pending> pending;
-  Bands radiance, reflected, transmitted, rounding;
-  Signature signature;
-  int terms = 0;  // that were summed up
-
-  Tracing(const World& world, const Outputs& out) : world(world), out(out), traversal(world), shadows(world) {}
-
-  void begin() {
-    radiance = reflected = transmitted = rounding = {};
-    signature = {};
-    terms = 0;
-    pending.clear();
-  }
-
-  void add(const Bands& light, Branch branch) {
-    radiance = radiance + light;
-    if (branch == Branch::reflected) reflected = reflected + light;
-    if (branch == Branch::transmitted) transmitted = transmitted + light;
-  }
-};
-
-// A surface point on a path: the sample it belongs to, what its radiance counts, and how often the path has turned.
-struct Visit {
-  const SurfacePoint& point;
-  const MaterialDescription& material;
-  Bands weight{1, 1, 1};
-  int used = 0;
-  Branch branch = Branch::none;
-  std::size_t sample = 0;
-  Spread spread;
-};
-
-inline Shadow shadow_of(Tracing& tracing, const Light& light, const SurfacePoint& point, const Arriving& arriving) {
-  const bool at_infinity = light.given.kind == LightKind::directional;
-  // The exact way, of unit length to a double's rounding: where crossings lie is found to 2^-50 of the distance all the same.
-  const double scale = 1 / arriving.distance;
-  const Vec3dd toward{arriving.toward.x * scale, arriving.toward.y * scale, arriving.toward.z * scale};
-  const Vec3dd& direction = at_infinity ? light.to_light : toward;
-  const double distance = at_infinity ? std::numeric_limits<double>::infinity() : arriving.distance;
-  return tracing.shadows.shadow(leaving(tracing.world, point, direction), distance);
-}
-
-// What one light may add to the error, in units of Rounding::unit.
-inline Bands rounding_of_path_light(const Light& light, const Arriving& arriving, const MaterialDescription& material, double side,
-                                    const Shadow& shadow, const Moved& moved) {
-  const double spot = light.given.kind == LightKind::spot ? Rounding::cone(light.given.exponent) : 0;
-  const double factors = 2 * shadow.crossings + 2;
-  const Bands reflected = material.diffuse + material.specular;
-  const Bands local = material.diffuse * (Rounding::diffuse + factors) + material.specular * (Rounding::lobe(material.exponent) + factors);
-  const double geometry = light.given.kind == LightKind::directional ? moved.turned() : moved.turned() + moved.position_m / arriving.distance;
-  return light.given.strength * shadow.share * (local * arriving.share + reflected * (spot * arriving.attenuated)) *
-         (side * (1 + geometry / Rounding::unit));
-}
-
 // The local terms: emission, ambient, and the lights on both sides. Returns them, not weighted.
-template <class F> Bands local_terms(Tracing& tracing, const Visit& visit, const Moved& moved, Bands& rounding) {
+template <class F> Bands local_terms_of_model(Tracing& tracing, const Visit& visit, const Moved& moved, Bands& rounding) {
   const World& world = tracing.world;
   const SurfacePoint& point = visit.point;
   const MaterialDescription& material = visit.material;
@@ -150,24 +63,7 @@ template <class F> Bands local_terms(Tracing& tracing, const Visit& visit, const
   return sum;
 }
 
-// The secondary rays of a surface point.
-struct Onward {
-  struct Ray {
-    Vec3dd direction;
-    Bands weight;
-    Branch branch = Branch::none;
-    double bend = mirror_bend;
-  };
-  Ray rays[2];
-  int count = 0;
-  bool total = false;  // total reflection
-
-  void add(const Vec3dd& direction, const Bands& weight, Branch branch, double bend) {
-    if (weight.any()) rays[count++] = {direction, weight, branch, bend};
-  }
-};
-
-template <class F> Onward onward_from(const SurfacePoint& point, const MaterialDescription& material) {
+template <class F> Onward onward_of_model(const SurfacePoint& point, const MaterialDescription& material) {
   Onward onward;
   const Bands mirrored = material.reflection * (1 - material.transparency);
   if constexpr (F::transparency) {
@@ -185,17 +81,38 @@ template <class F> Onward onward_from(const SurfacePoint& point, const MaterialD
   return onward;
 }
 
+template <class F> Bands local_terms(Tracing& tracing, const Visit& visit, const Moved& moved, Bands& rounding) {
+  if constexpr (F::ruled) return ruled_local_terms<F>(tracing, visit, moved, rounding);
+  return local_terms_of_model<F>(tracing, visit, moved, rounding);
+}
+
+template <class F> Onward onward_from(const Tracing& tracing, const Visit& visit) {
+  if constexpr (F::ruled) return ruled_onward(tracing.world.description.rules, visit.point, visit.material, indices_at(tracing, visit));
+  return onward_of_model<F>(visit.point, visit.material);
+}
+
+// Whether the ray that led here was the last that is followed.
+template <class F> bool at_the_limit(const Tracing& tracing, const Visit& visit) {
+  if constexpr (F::ruled) return beyond_ruled_limit(tracing.world, visit);
+  return visit.used >= tracing.world.description.recursion_limit;
+}
+
 // Puts the secondary rays of a visit on the stack. Rays of weight 0 are not followed, all others are.
 template <class F> void send_secondary(Tracing& tracing, const Visit& visit, const Moved& moved) {
-  if (visit.used >= tracing.world.description.recursion_limit) return;
-  const Onward onward = onward_from<F>(visit.point, visit.material);
+  if (at_the_limit<F>(tracing, visit)) return;
+  const Onward onward = onward_from<F>(tracing, visit);
   if constexpr (F::channels) tracing.signature.add(onward.total ? 3 : 4);
   for (int i = 0; i < onward.count; ++i) {
     const Onward::Ray& ray = onward.rays[i];
     const Bands weight = visit.weight * ray.weight;
     if (!weight.any()) continue;
+    Journey journey;
+    if constexpr (F::ruled) {
+      if (largest(weight) < tracing.world.description.rules.weight_cut) continue;
+      journey = journey_beyond(tracing.world, tracing.media, visit, ray);
+    }
     const Branch branch = visit.branch == Branch::none ? ray.branch : visit.branch;
-    tracing.pending.push_back({leaving(tracing.world, visit.point, ray.direction), weight, visit.used + 1, branch, {}});
+    tracing.pending.push_back({leaving(tracing.world, visit.point, ray.direction), weight, visit.used + 1, branch, {}, journey});
     if constexpr (F::rounding) tracing.pending.back().spread = spread_beyond(moved, visit.point, to_double(ray.direction), ray.bend);
   }
 }
@@ -203,6 +120,7 @@ template <class F> void send_secondary(Tracing& tracing, const Visit& visit, con
 template <class F> void shade(Tracing& tracing, const Visit& visit) {
   Moved moved;
   if constexpr (F::channels) tracing.signature.add_surface(visit.point);
+  if constexpr (F::channels && F::ruled) tracing.signature.add_normal(visit.point);
   if constexpr (F::rounding) moved = moved_by(tracing.world, visit.spread, visit.point);
   Bands rounding;
   const Bands local = local_terms<F>(tracing, visit, moved, rounding);
@@ -236,8 +154,9 @@ template <class F> bool follow_all(Tracing& tracing, std::size_t sample, const S
       }
       continue;
     }
-    const SurfacePoint point = surface_point(tracing.world, next.ray, hit);
-    shade<F>(tracing, {point, material_of(tracing.world, point.object), next.weight, next.used, next.branch, sample, next.spread});
+    SurfacePoint point = surface_point(tracing.world, next.ray, hit);
+    if constexpr (F::ruled) turn_normal(tracing.world.description.rules, point);
+    shade<F>(tracing, {point, material_of(tracing.world, point.object), next.weight, next.used, next.branch, sample, next.spread, next.journey});
   }
   return true;
 }

@@ -1,12 +1,14 @@
 // The scene as the spec says it: plain numbers in world coordinates, SI units, nothing derived. World (world.h) prepares it for tracing.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
+#include "rules.h"
 #include "vec3.h"
 
 namespace equilux {
@@ -25,6 +27,7 @@ struct Bands {
 inline Bands operator+(Bands a, Bands b) { return {a.r + b.r, a.g + b.g, a.b + b.b}; }
 inline Bands operator*(Bands a, Bands b) { return {a.r * b.r, a.g * b.g, a.b * b.b}; }
 inline Bands operator*(Bands a, double s) { return {a.r * s, a.g * s, a.b * s}; }
+inline double largest(const Bands& bands) { return std::max({bands.r, bands.g, bands.b}); }
 
 enum class Projection { perspective, orthographic };
 
@@ -100,6 +103,7 @@ struct SceneDescription {
   double error_target = 1e-6;       // reflection_equation: asked of every integral, relative to what would come unblocked
   CameraDescription camera;
   int width = 1, height = 1;
+  Rules rules;
   Bands ambient, background;
   std::vector<LightDescription> lights;
   std::vector<EmitterDescription> emitters;

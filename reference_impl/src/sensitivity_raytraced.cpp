@@ -124,7 +124,7 @@ Found Steps::follow(const SurfacePoint& point, const Vec3dd& direction, int used
     ray.from.start += 2 * displaced_m / std::max(0.05, across_surface(point, to_double(direction)));
   }
   tracing_.begin();
-  tracing_.pending.push_back({ray, {1, 1, 1}, used, Branch::none, {}});
+  tracing_.pending.push_back({ray, {1, 1, 1}, used, Branch::none, {}, {}});
   complete_ &= follow_all<Everything>(tracing_, 0, stopped_);
   return {tracing_.radiance, tracing_.signature.value()};
 }
@@ -161,7 +161,7 @@ SurfacePoint Steps::stepped(const Hit& hit, const Step& step) const {
 bool Steps::branch_change(const Hit& hit, int branch, const Step& step, double share, Bands& result) {
   const Step part{step.normal * share, step.position * share};
   const SurfacePoint point = stepped(hit, part);
-  const Onward onward = onward_from<Everything>(point, *hit.material);
+  const Onward onward = onward_of_model<Everything>(point, *hit.material);
   if (onward.total != hit.onward.total || onward.count != hit.onward.count) return false;
   const Found found = follow(point, onward.rays[branch].direction, hit.used + 1, length(part.position));
   if (found.signature != hit.found[branch].signature) return false;
@@ -191,7 +191,7 @@ Bands Steps::larger_change(const Hit& hit, const Step& step) {
 bool Steps::visit(Hit& hit, Bands& total) {
   const std::size_t object = static_cast<std::size_t>(hit.point.object);
   const double normal_step = bounds_.normal[object], position_step = bounds_.position_m[object];
-  if (hit.used < world_.description.recursion_limit) hit.onward = onward_from<Everything>(hit.point, *hit.material);
+  if (hit.used < world_.description.recursion_limit) hit.onward = onward_of_model<Everything>(hit.point, *hit.material);
   if (normal_step > 0 || position_step > 0) {
     hold(hit);
     const Vec3d normal = to_double(hit.point.normal);

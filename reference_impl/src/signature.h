@@ -23,6 +23,8 @@ class Signature {
     mix(static_cast<std::uint64_t>(point.face));
     mix(point.outside ? 1 : 2);
   }
+  // Rules that choose N's side anew may turn it where the surface does not.
+  void add_normal(const SurfacePoint& point) { mix(dot(to_double(point.normal), point.geometric) < 0 ? 5 : 6); }
   std::uint64_t value() const { return state_ == signature_of_a_miss ? 1 : state_; }
 
  private:

@@ -26,10 +26,12 @@ void shade_mesh_point(const World& world, const Candidate& hit, SurfacePoint& po
   const Vec3dd geometric = point.outside ? triangle.normal : -triangle.normal;  // Ng, on the viewer's side
   point.geometric = to_double(geometric);
   Vec3dd normal = geometric;
+  point.turned = !point.outside;
   if (smooth) {
     const Matrix3<DoubleDouble>& back = world.objects[static_cast<std::size_t>(hit.object)].to_canonical_linear;
     normal = interpolated_normal(mesh, hit.triangle, triangle, point.position, back);
-    if (to_double(dot(normal, geometric)) < 0) normal = -normal;  // N·Ng > 0
+    point.turned = to_double(dot(normal, geometric)) < 0;
+    if (point.turned) normal = -normal;                            // N·Ng > 0
     if (!(largest(to_double(normal)) > 0)) normal = geometric;    // opposite vertex normals that cancel out at this very point
   }
   point.normal = direction_of(normal);
@@ -41,6 +43,7 @@ void shade_object_point(const World& world, const LocalRay<DoubleDouble>& local,
   const Vec3dd canonical = canonical_normal(object.solid, local.o + local.d * point.s, point.face);
   const Vec3dd outward = transposed_times(object.to_canonical_linear, canonical);
   point.outside = to_double(dot(canonical, local.d)) < 0;
+  point.turned = !point.outside;
   point.normal = direction_of(point.outside ? outward : -outward);
   point.geometric = to_double(point.normal);
 }

@@ -14,6 +14,7 @@ struct SurfacePoint {
   double distance = 0;         // along the unit ray, metres
   Vec3dd position;
   Vec3dd normal;               // N, unit, on the viewer's side
+  bool turned = false;         // N is minus the outward normal, or minus the one stored with a mesh
   Vec3dd to_viewer;            // V, unit
   // For the rays that leave this point
   int mesh = -1;               // index into World::meshes, or −1

@@ -240,13 +240,13 @@ bool ShadowRays::is_between(const Candidate& crossing) const {
 
 void ShadowRays::offer(const Candidate& crossing) {
   const World& world = traversal_.world();
-  const bool transparent = material_of(world, crossing.object).transparency > 0;
-  if (blocked_ || (transparent && !world.description.attenuated_shadows)) return;
+  const Casts& casts = world.casts[static_cast<std::size_t>(crossing.object)];
+  if (blocked_ || casts.skipped) return;
   if (!is_between(crossing)) return;
-  if (transparent) {
-    between_.push_back(crossing);
-  } else {
+  if (casts.blocks) {
     blocked_ = true;
+  } else {
+    between_.push_back(crossing);
   }
 }
 
@@ -278,8 +278,7 @@ Shadow ShadowRays::shadow(const Ray& ray, double distance) {
   std::sort(between_.begin(), between_.end(), in_file_order);
   for (std::size_t i = 0; i < between_.size(); ++i) {
     if (seen_before(i)) continue;
-    const MaterialDescription& material = material_of(traversal_.world(), between_[i].object);
-    result.share = result.share * (material.transmission * material.transparency);
+    result.share = result.share * traversal_.world().casts[static_cast<std::size_t>(between_[i].object)].share;
     result.crossings += 1;
     result.crossed = (result.crossed + static_cast<std::uint64_t>(between_[i].object) + 2) * 0x9e3779b97f4a7c15u;
   }

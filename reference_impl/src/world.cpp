@@ -67,6 +67,7 @@ World::World(SceneDescription scene) : description(with_emitters(std::move(scene
   for (std::size_t i = 0; i < objects.size(); ++i) place_object(static_cast<int>(i));
   prepare_lights();
   find_features();
+  prepare_shadows();
   build_embree();
   if (description.model == Model::raytraced || description.model == Model::reflection_equation) build_transport_boxes();
 }
@@ -136,6 +137,29 @@ void World::prepare_lights() {
       features.spot = true;
     }
     lights.push_back(light);
+  }
+}
+
+// lighting_model.md §3, τ, or what a changed rule has in its place.
+void World::prepare_shadows() {
+  for (std::size_t i = 0; i < objects.size(); ++i) {
+    const MaterialDescription& material = material_of(*this, static_cast<int>(i));
+    const double t = material.transparency;
+    Casts shadow;
+    if (t > 0) {
+      shadow.blocks = false;
+      switch (description.rules.transparent_shadow) {
+        case TransparentShadow::model:
+          shadow.skipped = !description.attenuated_shadows;
+          shadow.share = material.transmission * t;
+          break;
+        case TransparentShadow::opaque: shadow.blocks = true; break;
+        case TransparentShadow::t_only: shadow.share = {t, t, t}; break;
+        case TransparentShadow::k_only: shadow.share = material.transmission; break;
+        case TransparentShadow::ignored: shadow.skipped = true; break;
+      }
+    }
+    casts.push_back(shadow);
   }
 }
 

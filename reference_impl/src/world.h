@@ -34,6 +34,12 @@ struct TransportBoxes {
   double padding = 0;         // in scaled units
 };
 
+// What an object leaves of light that crosses its surface.
+struct Casts {
+  bool blocks = true, skipped = false;
+  Bands share;  // else
+};
+
 class World;
 
 // A mesh: vertices in the camera's frame for the search; object coordinates and placement for the exact triangle.
@@ -85,6 +91,7 @@ class World {
   std::vector<int> bounded;    // analytic objects inside Embree: primitive number → object
   std::vector<MeshObject> meshes;
   std::vector<Light> lights;
+  std::vector<Casts> casts;    // one per object: its shadow
   Features features;
   RTCScene embree = nullptr;   // null when nothing is bounded
   double embree_scale = 1;     // power of two: metres → Embree's units
@@ -101,6 +108,7 @@ class World {
   void place_mesh(int index, const Placement& placement);
   void prepare_lights();
   void find_features();
+  void prepare_shadows();
   void build_embree();
   void build_transport_boxes();
 };

@@ -1,0 +1,135 @@
+// Model raytraced under changed rules: its local terms, its secondary rays, the media that they are in.
+#pragma once
+
+#include "path_state.h"
+#include "ruled_light.h"
+#include "ruled_shadow.h"
+
+namespace equilux {
+
+// --- media and limits -----------------------------------------------------------------------------------------------------
+
+// Under `nested_media` entering an object leads from the innermost of the media that the ray is in into the object, leaving it from the
+// innermost into what is innermost without it. An object that was not entered (the eye is in it) has its own index all the same.
+inline Indices indices_at(const Tracing& tracing, const Visit& visit) {
+  const World& world = tracing.world;
+  const SurfacePoint& point = visit.point;
+  const int object = point.object, medium = visit.journey.medium;
+  if (!world.description.rules.nested_media) return own_indices(point, visit.material);
+  const double innermost = tracing.media.index(world, medium);
+  if (!is_medium(world, object)) return {innermost, innermost};
+  if (point.outside) return {innermost, visit.material.ior};
+  if (!tracing.media.contains(medium, object)) return {visit.material.ior, innermost};
+  return {innermost, tracing.media.index_without(world, medium, object)};
+}
+
+// Of a camera ray: what there is to know before its first surface is shaded. The point gets the rules' N.
+inline Journey first_journey(Tracing& tracing, const FilmRay& ray, SurfacePoint& point) {
+  const World& world = tracing.world;
+  Journey journey;
+  if (world.description.rules.nested_media) {
+    tracing.media.clear();
+    journey.medium = tracing.media.around(world, world.camera.origin(ray));
+  }
+  turn_normal(world.description.rules, point);
+  return journey;
+}
+
+inline Journey journey_beyond(const World& world, Media& media, const Visit& visit, const Onward::Ray& ray) {
+  Journey journey = visit.journey;
+  const bool through = ray.branch == Branch::transmitted;
+  if (!through || world.description.rules.transmission_counted) ++journey.counted;
+  if (through && world.description.rules.nested_media && is_medium(world, visit.point.object)) {
+    const int object = visit.point.object;
+    journey.medium = visit.point.outside ? media.entered(journey.medium, object) : media.left(journey.medium, object);
+  }
+  return journey;
+}
+
+inline bool beyond_ruled_limit(const World& world, const Visit& visit) {
+  return visit.journey.counted >= world.description.recursion_limit ||
+         (!world.description.rules.transmission_counted && visit.used >= most_uncounted);
+}
+
+// --- secondary rays -------------------------------------------------------------------------------------------------------
+
+inline Onward ruled_onward(const Rules& rules, const SurfacePoint& point, const MaterialDescription& material, const Indices& indices) {
+  Onward onward;
+  const double t = material.transparency;
+  const Bands mirrored = material.reflection * (rules.front_weighted ? 1 - t : 1);
+  const Vec3dd mirror = mirrored_about(point.normal, point.to_viewer);
+  if (has_behind(rules, material)) {
+    const Bands through = material.transmission * (rules.behind_weighted ? t : 1);
+    const Refraction refraction = refracted(-point.to_viewer, point.normal, indices.here, indices.beyond);
+    if (refraction.total) {
+      onward.total = true;
+      switch (rules.total_reflection) {
+        case TotalReflection::one: onward.add(mirror, {1, 1, 1}, Branch::reflected, mirror_bend); break;
+        case TotalReflection::mirror: onward.add(mirror, mirrored, Branch::reflected, mirror_bend); break;
+        case TotalReflection::transmitted: onward.add(mirror, mirrored + through, Branch::reflected, mirror_bend); break;
+        case TotalReflection::none: break;
+      }
+      return onward;
+    }
+    onward.add(refraction.direction, through, Branch::transmitted, refraction.bend);
+  }
+  if (mirrored.any()) onward.add(mirror, mirrored, Branch::reflected, mirror_bend);
+  return onward;
+}
+
+// --- local terms ----------------------------------------------------------------------------------------------------------
+
+// As shadow_of, by the rules.
+inline Shadow ruled_shadow_of(Tracing& tracing, const Light& light, const SurfacePoint& place, const Arriving& arriving) {
+  const Rules& rules = tracing.world.description.rules;
+  if (!rules.occlusion) return {};
+  if (!(rules.shadow_bias_m > 0)) return shadow_of(tracing, light, place, arriving);
+  return biased_shadow(tracing.shadows, tracing.world, light, place, arriving);
+}
+
+// As the model's, at each of the lit places.
+template <class F> Bands ruled_local_terms(Tracing& tracing, const Visit& visit, const Moved& moved, Bands& rounding) {
+  const World& world = tracing.world;
+  const MaterialDescription& material = visit.material;
+  const Formula formula(world, material);
+  const Indices indices = indices_at(tracing, visit);
+  LitPlaces places;
+  find_lit_places(world, visit.point, visit.used == 0, places);
+  const std::size_t lights = world.lights.size();
+  const double most = formula.weights.front + formula.weights.front_highlight + formula.weights.behind;
+  Bands sum = material.emission + material.ambient * world.description.ambient;
+
+  for (std::size_t k = 0; k < lights; ++k) {
+    const Light& light = world.lights[k];
+    Bands diffuse, specular;
+    for (int j = 0; j < places.count; ++j) {
+      const RuledLight lit = ruled_light(formula, light, places.at[j], indices);
+      const bool counts = (lit.shares.diffuse > 0 && material.diffuse.any()) || lit.shares.specular > 0;
+      Shadow shadow;
+      if (counts) {
+        shadow = ruled_shadow_of(tracing, light, places.at[j], lit.arriving);
+        const Bands irradiance = light.given.strength * shadow.share * (lit.arriving.share * places.weight[j]);
+        diffuse = diffuse + irradiance * material.diffuse * lit.shares.diffuse;
+        specular = specular + irradiance * material.specular * lit.shares.specular;
+      }
+      if constexpr (F::channels) {
+        if (F::rounding && lit.arriving.in_cone) {
+          const double share = most * places.weight[j] * (1 + Rounding::diffuse / Rounding::lobe(material.exponent));
+          rounding = rounding + rounding_of_path_light(light, lit.arriving, material, share, shadow, moved);
+        }
+        tracing.signature.add_light(lit.in_front(), lit.arriving.in_cone, lit.shares.highlit && material.exponent < 1);
+        if (counts) tracing.signature.add(shadow.crossed * 2 + (lit.total ? 1 : 0));
+      }
+    }
+    sum = sum + (diffuse + specular);
+    if constexpr (F::channels) {
+      if (visit.used == 0) {
+        if (tracing.out.diffuse) write(tracing.out.diffuse, visit.sample * lights + k, diffuse);
+        if (tracing.out.specular) write(tracing.out.specular, visit.sample * lights + k, specular);
+      }
+    }
+  }
+  return sum;
+}
+
+}  // namespace equilux

@@ -1,0 +1,46 @@
+// What the tracer does otherwise than the lighting model says. What each field means: equilux_tracer/shading_rules.py.
+//
+// Kernels that know these rules are compiled beside the model's own, which have no code for them.
+#pragma once
+
+namespace equilux {
+
+enum class NormalSide { model, as_given, facing_viewer };
+enum class Viewer { model, from_eye, fixed };
+enum class TransparentShadow { model, opaque, t_only, k_only, ignored };
+enum class ShadowBias { along_ray, along_normal };
+enum class TotalReflection { one, mirror, transmitted, none };
+
+struct Rules {
+  NormalSide normal_side = NormalSide::model;
+  bool normals_reversed = false;
+  bool half_vector = false;
+  bool diffuse_two_sided = false;
+  bool highlight_two_sided = false;
+  bool highlight_ungated = false;
+  bool highlight_cosine = false;
+  double specular_floor = 0;
+  bool transmitted_highlight = true;
+  bool highlight_weighted = true;
+  Viewer viewer = Viewer::model;
+  bool occlusion = true;
+  TransparentShadow transparent_shadow = TransparentShadow::model;
+  double shadow_bias_m = 0;
+  ShadowBias shadow_bias = ShadowBias::along_ray;
+  double weight_cut = 0;
+  TotalReflection total_reflection = TotalReflection::one;
+  bool nested_media = false;
+  bool transmission_counted = true;
+  bool front_weighted = true;
+  bool behind_weighted = true;
+  bool opaque_behind = false;
+  bool vertex_lighting = false;
+
+  bool operator==(const Rules&) const = default;
+  bool changed() const { return !(*this == Rules{}); }
+};
+
+// Of all secondary rays of a path, where transmitted ones do not count.
+constexpr int most_uncounted = 256;
+
+}  // namespace equilux
