@@ -44,7 +44,7 @@ class AttenuationTermMissing(CheckedRule):
     formula = ("E = I / (d_c + d_l r + d_q r²)", "the same with d_c, d_l or d_q = 0; E = I where all are 0")
     readings: ClassVar[Mapping[str, str]] = {
         "": "the term is 0",
-        "left at the default": "the term keeps its default in the fixed-function API: d_c = 1, d_l = d_q = 0; d_c = 1 if all are 0",
+        "left at the default": "the term keeps its default in the fixed-function API: 1 for d_c, 0 for d_l and d_q",
         "one power lower": "the quadratic term counts as linear, or the linear one as constant: d_q r in place of d_q r²",
         "none left, none lit": "the term is 0, and a light of which no term is left does not shine",
     }

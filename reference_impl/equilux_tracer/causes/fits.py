@@ -49,9 +49,9 @@ def best_values(predict: Predict, measured: Floats, bound: Floats, grid: Iterabl
     values = np.array(sorted(grid), np.float64)
     losses = np.array([misfit(value) for value in values])
     around = np.pad(losses, 1, constant_values=np.inf)
-    minima = np.flatnonzero((losses <= around[:-2]) & (losses <= around[2:]))
-    minima = minima[np.argsort(losses[minima], kind="stable")][:count]
-    refined = [_refined(misfit, values[max(0, i - 1)], values[i], values[min(len(values) - 1, i + 1)]) for i in minima]
+    minima: npt.NDArray[np.intp] = np.flatnonzero((losses <= around[:-2]) & (losses <= around[2:]))
+    ranked = sorted(minima.tolist(), key=lambda i: float(losses[i]))[:count]
+    refined = [_refined(misfit, *(float(values[j]) for j in (max(0, i - 1), i, min(len(values) - 1, i + 1)))) for i in ranked]
     return [value for value, _ in sorted(refined, key=lambda pair: pair[1])]
 
 
