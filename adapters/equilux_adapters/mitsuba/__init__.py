@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from importlib import metadata
 from pathlib import Path
 from typing import ClassVar
 
 from equilux.adapter import API_VERSION, Capability, Case, Knobs, Limits, Probe, Program, RawRender, Reading
+from equilux.dialect import Declared
+from equilux_adapters.mitsuba.capabilities import DIALECT
 from equilux_adapters.mitsuba.knobs import MitsubaKnobs
 
 __all__ = ["ADAPTER", "MitsubaAdapter"]
@@ -21,6 +23,7 @@ class MitsubaAdapter:
     Knobs: ClassVar[type[Knobs]] = MitsubaKnobs
     workers_per_core: ClassVar[float] = 1.0
     lack_causes: ClassVar[Mapping[str, str]] = {}
+    dialect: ClassVar[Sequence[Declared]] = DIALECT
 
     def version(self) -> str:
         """The versions of the installed packages, e.g. `3.9.1, drjit 1.5.0`."""

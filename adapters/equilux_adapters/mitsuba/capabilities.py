@@ -2,14 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 from equilux.adapter import Capability
+from equilux.dialect import Declared
 
 _EXACT = Capability("exact")
 _SAMPLED = Capability("approximate", "Monte Carlo: the noise is stated, the knobs are `samples` and `repeats`")
 _REGISTERED_BSDF = Capability("exact", "a BSDF written in Python, which the script registers (Q6)")
 _REGISTERED_LAMP = Capability("exact", "an emitter written in Python, which the script registers (Q8)")
+
+DIALECT: Sequence[Declared] = (
+    Declared("normal-side", reading="facing-viewer", quirk="Q12"),
+    Declared("shadow-bias", quirk="Q9"),
+)
+"""What Mitsuba always does otherwise than the model says. How long the bias is depends on the unit that a scene is written
+in."""
 
 CAPABILITIES: Mapping[str, Capability] = {
     "model.reflection-equation": _EXACT,

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 from equilux.adapter import Capability
+from equilux.dialect import Declared
 
 _EXACT = Capability("exact")
 _CORNERS = Capability("approximate", "lit at the corners of triangles; how small these are is the knob `triangle_px`")
@@ -19,6 +20,16 @@ LACK_CAUSES: Mapping[str, str] = {
     "refraction": "refraction-missing",
 }
 """Feature that OpenGL lacks → the cause it shows as. Scenes that expect the cause are rendered as OpenGL would."""
+
+DIALECT: Sequence[Declared] = (
+    Declared("half-vector", quirk="Q7", models=("phong", "raytraced")),
+    Declared("occlusion-ignored", quirk="Q8"),
+    Declared("reflection-missing", quirk="Q8"),
+    Declared("refraction-missing", reading="opaque, 1 − t of its own", quirk="Q8"),
+    Declared("mesa:shininess-zero", quirk="Q10"),
+)
+"""What OpenGL always does otherwise than the model says. Light at corners (Q4) is no part of it: the triangles are made so
+small that what is left of it is in the budget."""
 
 CAPABILITIES: Mapping[str, Capability] = {
     "model.phong": Capability("none", "the highlight is (N·H)^s (Q7)"),

@@ -5,13 +5,14 @@ from __future__ import annotations
 import re
 import shutil
 import subprocess
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import lru_cache
 from pathlib import Path
 from typing import ClassVar
 
 from equilux.adapter import API_VERSION, Capability, Case, Limits, Probe, Program, RawRender, Reading
-from equilux_adapters.povray.capabilities import CAPABILITIES
+from equilux.dialect import Declared
+from equilux_adapters.povray.capabilities import CAPABILITIES, DIALECT
 from equilux_adapters.povray.knobs import PovrayKnobs
 
 __all__ = ["ADAPTER", "PovrayAdapter"]
@@ -25,6 +26,7 @@ class PovrayAdapter:
     Knobs: ClassVar[type[PovrayKnobs]] = PovrayKnobs
     workers_per_core: ClassVar[float] = 4.0  # a process takes 0.7 s and computes for 0.05 s of it (Q25)
     lack_causes: ClassVar[Mapping[str, str]] = {}
+    dialect: ClassVar[Sequence[Declared]] = DIALECT
 
     def version(self) -> str:
         """POV-Ray's own version, "absent" when it is not installed. Asked once per executable."""

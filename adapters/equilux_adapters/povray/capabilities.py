@@ -2,15 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 from equilux.adapter import Capability
+from equilux.dialect import Declared
 
 _EXACT = Capability("exact")
 _NEAR = Capability("approximate", "small fade_distance d in 2/(1 + (r/d)^p); the error is in the budget")
 _MESH = Capability("approximate", "vertices and normals are float32; the error is in the budget")
 
 _NO_HIGHLIGHT = Capability("approximate", "light from behind makes no highlight: the term T·V is missing (Q39)")
+
+DIALECT: Sequence[Declared] = (
+    Declared("normal-side", reading="facing-viewer", quirk="Q19"),
+    Declared("transmitted-highlight-missing", quirk="Q39"),
+    Declared("nested-media", quirk="Q43"),
+    Declared("shadow-bias", quirk="Q37"),
+)
+"""What POV-Ray always does otherwise than the model says. How long the bias is depends on the unit that a scene is written
+in."""
 
 CAPABILITIES: Mapping[str, Capability] = {
     "model.phong": _EXACT,

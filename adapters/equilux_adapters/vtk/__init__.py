@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from importlib import metadata
 from pathlib import Path
 from typing import ClassVar
 
 from equilux.adapter import API_VERSION, Capability, Case, Knobs, Limits, Probe, Program, RawRender, Reading
-from equilux_adapters.vtk.capabilities import LACK_CAUSES
+from equilux.dialect import Declared
+from equilux_adapters.vtk.capabilities import DIALECT, LACK_CAUSES
 from equilux_adapters.vtk.knobs import VtkKnobs
 
 
@@ -20,6 +21,7 @@ class VtkAdapter:
     Knobs: ClassVar[type[Knobs]] = VtkKnobs
     workers_per_core: ClassVar[float] = 1.0
     lack_causes: ClassVar[Mapping[str, str]] = LACK_CAUSES
+    dialect: ClassVar[Sequence[Declared]] = DIALECT
     code_packages: ClassVar[tuple[str, ...]] = ("equilux_adapters._triangles",)
 
     def version(self) -> str:

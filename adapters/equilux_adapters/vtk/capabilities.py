@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 from equilux.adapter import Capability
+from equilux.dialect import Declared
 
 _EXACT = Capability("exact")
 _TESSELLATED = Capability("approximate", "tessellated; how finely is the knob `tessellation`")
@@ -22,6 +23,20 @@ LACK_CAUSES: Mapping[str, str] = {
     "refraction": "refraction-missing",
 }
 """Feature that VTK lacks → the cause it shows as. Scenes that expect the cause are rendered as VTK would (contracts, "as is")."""
+
+DIALECT: Sequence[Declared] = (
+    Declared("exponent-clamped", 128.0, quirk="Q5"),
+    Declared("specular-floored", 1e-5, quirk="Q6"),
+    Declared("spot-exponent-clamped", 128.0, quirk="Q7"),
+    Declared("spot-cone-ignored", 90.0, quirk="Q8"),
+    Declared("view-vector-from-eye", quirk="Q9"),
+    Declared("occlusion-ignored"),
+    Declared("reflection-missing", quirk="Q16"),
+    Declared("refraction-missing", reading="opaque, 1 − t of its own", quirk="Q17"),
+    Declared("light-colours-ignored", reading="diffuse for the highlight", quirk="Q18"),
+    Declared("half-vector", models=("opengl",)),
+)
+"""What VTK always does otherwise than the model says. In model opengl its highlight is Phong's: `half-vector`."""
 
 CAPABILITIES: Mapping[str, Capability] = {
     "model.phong": _EXACT,
