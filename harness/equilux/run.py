@@ -12,17 +12,16 @@ from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
-from importlib.util import find_spec
 from pathlib import Path
 from types import FrameType
 from typing import Any
 
-from equilux import machine
+from equilux import ci, machine
 from equilux.adapter import Case, Limits
 from equilux.brdf.ofcase import materials_json
 from equilux.caserecord import case_line, case_record
 from equilux.casework import CaseWork, Provenance
-from equilux.diagnosing import TIME_LIMIT_S, Method, known_rules
+from equilux.diagnosing import TIME_LIMIT_S, Method, known_rules, unusable_rules
 from equilux.dialect import declared_dialect
 from equilux.identity import render_key
 from equilux.job import Outcome
@@ -52,7 +51,7 @@ class Options:
     store: Store | None = None
     fail_fast: bool = False
     flip: bool = False
-    diagnose: bool = find_spec("equilux.diagnose.search") is not None  # until it is there
+    diagnose: bool = True
     diagnosis_limit_s: float = TIME_LIMIT_S
     command: tuple[str, ...] = ()
 
@@ -105,6 +104,8 @@ class _Run:
     def carry_out(self) -> None:
         """Everything that needs no renderer first, then the renders, with comparison and diagnosis running beside them."""
         self._progress.begin(len(self._plan.renders), len(self._plan.cases))
+        for broken in unusable_rules() if self._options.diagnose else ():
+            self._progress.note(broken)
         self._workers = workers = ThreadPoolExecutor(max(2, self._options.jobs), thread_name_prefix="equilux-compare")
         try:
             pending = [workers.submit(self._without_rendering, planned) for planned in self._plan.renders]
@@ -259,6 +260,7 @@ class _Run:
         results = Results(run=record, cases=cases, summary=summarise(cases, code))
         write_json(self._tree.root / "results.json", results.model_dump(mode="json"))
         self.write_manifest(record)
+        ci.write_files(ci.RunView(results, self._tree.root, self._plan.named, ci.sources_of(self._plan.cases), errors))
         return Finished(results, code, errors)
 
     def _judged(self, work: CaseWork) -> CaseRecord:

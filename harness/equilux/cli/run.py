@@ -98,11 +98,13 @@ def run(
         sys.stderr.write(f"added {' and '.join(planned.added)}: there is always a truth to judge against\n")
     if plan:
         return _show_plan(planned, as_json=json)
+    from equilux import ci
     from equilux.run import ENGINE_FAULT, INTERRUPTED
 
     diagnosis_limit_s = diagnosis_timeout if diagnose else None
     finished = _execute(planned, out, jobs, timeout, memory, diagnosis_limit_s, reuse=reuse, fail_fast=fail_fast, flip=flip)
     _tell(finished, out, as_json=json)
+    ci.announce(ci.RunView(finished.results, out, planned.named, ci.sources_of(planned.cases), finished.errors))
     if html and finished.exit_code != INTERRUPTED:
         try:
             page = _report(out)
