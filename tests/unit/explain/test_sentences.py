@@ -116,7 +116,8 @@ def test_one_line_holds_verdict_size_place_and_cause(tmp_path: Path):
 
 
 @pytest.mark.parametrize(
-    ("part", "words"), [(0.0, "0 %"), (1.0, "100 %"), (0.9999, "99.99 %"), (0.9999999, "> 99.999 %"), (1e-9, "< 0.001 %"), (0.998, "99.8 %")]
+    ("part", "words"),
+    [(0.0, "0 %"), (1.0, "100 %"), (0.9999, "99.99 %"), (0.9999999, "> 99.999 %"), (1e-9, "< 0.001 %"), (0.998, "99.8 %")],
 )
 def test_a_share_is_never_rounded_to_all_or_nothing(part: float, words: str):
     assert share(part) == words
