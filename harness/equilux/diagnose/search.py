@@ -1,0 +1,324 @@
+"""The search for the smallest set of causes: first what is declared, then single causes, pairs, triples; each proven in full."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+
+from equilux.compare import PairResult, RenderedImage
+from equilux.diagnose import report
+from equilux.diagnose.bounds import PairBounds
+from equilux.diagnose.catalogue import all_rules
+from equilux.diagnose.diagnosis import Diagnosis
+from equilux.diagnose.evidence import gather
+from equilux.diagnose.fit import fitted, knobs_of, refine, rounded
+from equilux.diagnose.hypotheses import Preference, Single, every_hypothesis, ranked_pairs, single
+from equilux.diagnose.proof import Court, Proof, Restate
+from equilux.diagnose.trials import Bench, Causes, Trial, changes_values, ordered
+from equilux_scenes.case import Case
+from equilux_tracer import Tracer
+from equilux_tracer.causes import Applied, Rule
+
+MOST_CAUSES = 3
+PROOFS = 8
+"""Hypotheses of one size that are proven in full, at most."""
+PLAUSIBLE = 0.05
+"""Share of the sampled pixels, wrong and right, that a hypothesis may miss and still be worth a proof: edges are only excused
+there."""
+CHEAP_PAIRS, FITTED_PAIRS = 400, 40
+SEEDS = 6
+"""Pairs that triples are made from."""
+PARTIAL = 0.1
+"""Least share of the diverging pixels that causes must bring within uncertainty to be named where they do not account for all:
+a wrong cause with a fitted parameter hits some by chance."""
+
+
+@dataclass(frozen=True, eq=False)
+class Diagnosed:
+    """A diagnosis, and the pictures it rests on (none where nothing was proven). without: by cause, what is left out."""
+
+    diagnosis: Diagnosis
+    proof: Proof | None = None
+    without: tuple[Proof | None, ...] = ()
+
+
+def diagnose(
+    case: Case,
+    side: RenderedImage,
+    truth: RenderedImage,
+    scored: PairResult,
+    *,
+    restate: Restate | None,
+    dialect: Sequence[Applied] = (),
+    expected: Sequence[str] = (),
+    rules: Mapping[str, Rule] | None = None,
+    time_limit_s: float = 20,
+) -> Diagnosis:
+    """Why `side` departs from `truth`.
+
+    scored: their comparison (`compare_pair(side, truth, …)`). restate: the side's uncertainty with its geometric terms
+    propagated through a changed tracer; None: as it is stated. dialect: what the adapter declares for this case. expected: ids
+    of causes that the scene expects of it. time_limit_s: after it no new hypothesis is begun. Pixels that are not finite are no
+    evidence; a picture of another size has no diagnosis.
+    """
+    return diagnose_in_full(
+        case, side, truth, scored, restate=restate, dialect=dialect, expected=expected, rules=rules, time_limit_s=time_limit_s
+    ).diagnosis
+
+
+def diagnose_in_full(
+    case: Case,
+    side: RenderedImage,
+    truth: RenderedImage,
+    scored: PairResult,
+    *,
+    restate: Restate | None,
+    dialect: Sequence[Applied] = (),
+    expected: Sequence[str] = (),
+    rules: Mapping[str, Rule] | None = None,
+    time_limit_s: float = 20,
+) -> Diagnosed:
+    """The same with the pictures under the causes, for pairs with peers (`peers.explain_pair`)."""
+    started = time.monotonic()
+    rules = all_rules() if rules is None else rules
+    model = Tracer(case)
+    sample = gather(case, side, truth, scored, model) if scored.planes else None
+    if sample is None:
+        return Diagnosed(Diagnosis(adapter=side.adapter, diverging=0, explained=0.0, seconds=time.monotonic() - started))
+    bench = Bench(case, rules, sample, PairBounds.of(side, truth), model, deadline=started + time_limit_s)
+    preference = Preference(rules, tuple(dialect), tuple(expected))
+    search = Search(bench, Court(bench, side, truth, scored, restate), preference)
+    found = search.run()
+    diagnosed = report.reported(search, found, side)
+    seconds = round(time.monotonic() - started, 3)
+    return Diagnosed(
+        diagnosed.model_copy(update={"tried": bench.tried, "seconds": seconds}),
+        found.proof if found is not None else None,
+        found.without if found is not None else (),
+    )
+
+
+@dataclass(eq=False)
+class Finding:
+    """A proven set of causes. without: the proof with each left out (None: nothing is left). others: further sets of as many
+    causes that explain as much.
+    """
+
+    proof: Proof
+    without: tuple[Proof | None, ...]
+    others: tuple[Causes, ...] = ()
+    dialect_agrees: bool | None = None
+
+
+@dataclass(eq=False)
+class Search:
+    """One diagnosis under way."""
+
+    bench: Bench
+    court: Court
+    preference: Preference
+    singles: list[Single] = field(default_factory=list)
+    tried: dict[Causes, Trial] = field(default_factory=dict)
+    """The sets that stand for partial explanations."""
+    dialect_agrees: bool | None = None
+
+    def run(self) -> Finding | None:
+        """The finding, or None where no cause accounts for a fair share of the pixels."""
+        model = self.bench.trial(())
+        assert model is not None  # the scene was rendered before
+        if self.preference.dialect:
+            declared = self._declared()
+            if declared is not None:
+                return declared
+        self._try_singles(model)
+        found = self._proven([one.trial for one in self.singles])
+        if found is None and not self.bench.out_of_time:
+            found = self._proven(self._pairs(model))
+        if found is None and not self.bench.out_of_time:
+            found = self._proven(self._triples())
+        return found if found is not None else self._partial(model)
+
+    # --- what is declared ---------------------------------------------------------------------------------------------
+
+    def _declared(self) -> Finding | None:
+        """All that the adapter declares, then without what is not needed."""
+        causes: Causes = ()
+        for applied in self.preference.dialect:
+            causes = ordered((*causes, self._resolved(causes, applied)), self.bench.rules)
+        proof = self.court.proof(causes)
+        self.dialect_agrees = proof is not None and proof.holds
+        if proof is None or not proof.holds:
+            return None
+        for applied in causes:
+            if len(proof.causes) == 1:
+                break
+            fewer = self.court.proof(tuple(other for other in proof.causes if other != applied))
+            if fewer is not None and fewer.holds and fewer.explained >= proof.explained:
+                proof = fewer
+        return self._finding(proof, [])
+
+    def _resolved(self, others: Causes, applied: Applied) -> Applied:
+        """A declared cause whose parameter depends on the scene, with the value that fits best."""
+        rule = self.bench.rules[applied.cause]
+        if applied.parameter is not None or rule.parameter is None:
+            return applied
+        options = [option for option in rule.hypotheses(self.bench.case) if option.reading == applied.reading] or [applied]
+        trials: list[tuple[Trial, Applied]] = []
+        for option in options:
+            causes = (*others, option)
+            trial = fitted(self.bench, causes, len(others)) if option.parameter is None else self.bench.trial(causes)
+            if trial is not None:
+                trials.append((trial, trial.causes[len(others)]))
+        return min(trials, key=lambda pair: pair[0].badness)[1] if trials else applied
+
+    # --- singles, pairs, triples --------------------------------------------------------------------------------------
+
+    def _try_singles(self, model: Trial) -> None:
+        for hypothesis in every_hypothesis(self.bench, self.preference):
+            if self.bench.out_of_time:
+                break
+            found = single(self.bench, hypothesis, model)
+            if found is not None:
+                self.singles.append(found)
+                self.tried[found.trial.causes] = found.trial
+
+    def _pairs(self, model: Trial) -> list[Trial]:
+        """Pairs as they stand, then with their numbers fitted to each other."""
+        candidates = ranked_pairs(self.bench, self.singles, model)
+        plain = self._tried_all(candidates[:CHEAP_PAIRS])
+        if any(self.plausible(trial) for trial in plain):
+            return plain
+        refitted = []
+        for causes in self._worth_fitting(candidates, plain):
+            if self.bench.out_of_time:
+                break
+            trial = self.refitted(causes)
+            if trial is not None:
+                refitted.append(trial)
+                self.tried[trial.causes] = trial
+                if self.plausible(trial):
+                    break
+        return [*plain, *refitted]
+
+    def _worth_fitting(self, candidates: Sequence[Causes], plain: Sequence[Trial]) -> list[Causes]:
+        """Pairs with a number of the picture first (they cost no tracing), then those nearest to an explanation."""
+        rules = self.bench.rules
+
+        def has_numbers(causes: Causes) -> bool:
+            return bool(knobs_of(causes, self.bench))
+
+        def is_cheap(causes: Causes) -> bool:
+            return any(changes_values(rules[applied.cause]) and has_numbers((applied,)) for applied in causes)
+
+        cheap = [causes for causes in candidates if is_cheap(causes)]
+        nearest = [trial.causes for trial in sorted(plain, key=lambda trial: trial.distance) if has_numbers(trial.causes)]
+        return list(dict.fromkeys([*nearest[: FITTED_PAIRS // 2], *cheap[: 4 * FITTED_PAIRS], *nearest[:FITTED_PAIRS]]))
+
+    def _triples(self) -> list[Trial]:
+        """The best pairs, each with every further cause."""
+        pairs = [trial for trial in self.tried.values() if len(trial.causes) == 2]
+        seeds = {trial.causes: trial for key in (_by_distance, _by_badness) for trial in sorted(pairs, key=key)[:SEEDS]}
+        plain = []
+        for seed in seeds:
+            ids = {applied.cause for applied in seed}
+            more = [one.applied for one in self.singles if one.applied.cause not in ids]
+            plain += self._tried_all(ordered((*seed, applied), self.bench.rules) for applied in more)
+        if any(self.plausible(trial) for trial in plain):
+            return plain
+        refitted = []
+        for trial in sorted(plain, key=_by_distance)[:FITTED_PAIRS]:
+            if self.bench.out_of_time:
+                break
+            better = self.refitted(trial.causes)
+            if better is not None:
+                refitted.append(better)
+                self.tried[better.causes] = better
+                if self.plausible(better):
+                    break
+        return [*plain, *refitted]
+
+    def _tried_all(self, sets: Iterable[Causes]) -> list[Trial]:
+        out = []
+        for causes in sets:
+            if self.bench.out_of_time:
+                break
+            trial = self.bench.trial(causes)
+            if trial is not None:
+                out.append(trial)
+                self.tried[causes] = trial
+        return out
+
+    def refitted(self, causes: Causes) -> Trial | None:
+        """The numbers of all causes fitted with the others as they are, one after another, and then together."""
+        best = self.bench.trial(causes)
+        if best is None:
+            return None
+        for index in range(len(causes)):
+            if knobs_of((best.causes[index],), self.bench):
+                found = fitted(self.bench, best.causes, index)
+                best = min((best, found), key=_by_distance) if found is not None else best
+        knobs = knobs_of(best.causes, self.bench)
+        if len({knob.cause for knob in knobs}) > 1:
+            best = rounded(self.bench, refine(self.bench, best, knobs), knobs)
+        return best
+
+    def plausible(self, trial: Trial) -> bool:
+        """Whether the sample speaks for it strongly enough for a proof."""
+        diverging = int(self.bench.sample.diverging.sum())
+        agreeing = len(self.bench.sample.pixels) - diverging
+        return trial.missed <= max(1, PLAUSIBLE * diverging) and trial.broken <= max(1, PLAUSIBLE * agreeing)
+
+    # --- proof --------------------------------------------------------------------------------------------------------
+
+    def _proven(self, trials: Iterable[Trial]) -> Finding | None:
+        """The best of those that hold; the others that hold as well are its alternatives."""
+        worth = sorted((trial for trial in trials if self.plausible(trial)), key=self._order)
+        proofs = [proof for trial in worth[:PROOFS] if (proof := self.court.proof(trial.causes)) is not None and proof.holds]
+        if not proofs:
+            return None
+        most = max(proof.explained for proof in proofs)
+        alike = [proof for proof in proofs if proof.explained >= most - 1e-3]
+        best = min(alike, key=lambda proof: self._order(self.bench.trial(proof.causes)))
+        return self._finding(best, [proof.causes for proof in alike if proof is not best])
+
+    def _order(self, trial: Trial | None) -> tuple[object, ...]:
+        """Preferred names first; of those neither declared nor expected, the clearly nearer ones."""
+        assert trial is not None
+        declared, expected, numbers, each = self.preference.of_all(trial.causes)
+        nearness = int(trial.distance / len(trial.error) > 0.05)
+        return (declared, expected, nearness, numbers, each)
+
+    def _finding(self, proof: Proof, others: Sequence[Causes]) -> Finding:
+        without: list[Proof | None] = []
+        for applied in proof.causes:
+            rest = tuple(other for other in proof.causes if other != applied)
+            without.append(self.court.proof(rest) if rest else None)
+        return Finding(proof, tuple(without), tuple(others))
+
+    def _partial(self, model: Trial) -> Finding | None:
+        """The set that brings most pixels within uncertainty, every cause of it some of its own."""
+        diverging = int(self.bench.sample.diverging.sum())
+        best, least = None, model.missed * (1 - PARTIAL)
+        for size in range(1, MOST_CAUSES + 1):
+            of_size = [trial for trial in self.tried.values() if len(trial.causes) == size]
+            of_size.sort(key=lambda trial: (trial.missed + trial.broken, self._order(trial)))
+            for trial in of_size[:2]:
+                if trial.missed + trial.broken > least:
+                    break
+                proof = self.court.proof(trial.causes)
+                if proof is not None and proof.harmless and proof.explained >= PARTIAL:
+                    best, least = proof, trial.missed + trial.broken - PARTIAL / 2 * diverging
+                    break
+        return None if best is None else self._finding(best, [])
+
+
+def _by_distance(trial: Trial) -> float:
+    return trial.distance
+
+
+def _by_badness(trial: Trial) -> tuple[int, float]:
+    return trial.badness
+
+
+__all__ = ["Diagnosed", "Finding", "Search", "diagnose", "diagnose_in_full"]

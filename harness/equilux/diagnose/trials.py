@@ -1,0 +1,202 @@
+"""Hypotheses rendered on the sample, and what they leave unexplained there."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+import numpy.typing as npt
+
+from equilux.diagnose.bounds import ERROR_CHANNELS, Floats, PairBounds, error_of
+from equilux.diagnose.evidence import MODEL_CHANNELS, Sample
+from equilux_scenes.case import Case
+from equilux_tracer import Tracer
+from equilux_tracer.causes import Applied, ChangedTracer, Evidence, Rule
+from equilux_tracer.shading_rules import MODEL_RULES
+
+Causes = tuple[Applied, ...]
+
+KEPT_TRACERS = 48
+"""Tracers of changed scenes that are kept for what changes their picture."""
+KEPT_PICTURES = 1000
+"""Samples of changed scenes that are kept; some 20 kB each."""
+
+
+@dataclass(frozen=True)
+class Trial:
+    """One hypothesis on the sample.
+
+    radiance: (n, 3) of the changed reference; bound: B there; error: (n,) largest |E_n| of the bands. missed: diverging pixels
+    that stay so; broken: agreeing ones that no longer do; distance: Σ log(1 + |E_n|), which still has a slope where no pixel
+    agrees, and which no single pixel dominates.
+    """
+
+    causes: Causes
+    radiance: Floats
+    bound: Floats
+    error: Floats
+    missed: int
+    broken: int
+    distance: float
+
+    @property
+    def badness(self) -> tuple[int, float]:
+        """The robust objective: pixels with |E_n| > 1, then the distance."""
+        return (self.missed + self.broken, self.distance)
+
+    @property
+    def explains(self) -> npt.NDArray[np.bool_]:
+        return np.asarray(self.error <= 1)
+
+
+@dataclass
+class Bench:
+    """Everything that is needed to try hypotheses on one sample, and what was found out so far."""
+
+    case: Case
+    rules: Mapping[str, Rule]
+    sample: Sample
+    bounds: PairBounds
+    model: Tracer
+    deadline: float = float("inf")
+    """Of time.monotonic()."""
+    tried: int = 0
+    refused: dict[Causes, str] = field(default_factory=dict)
+    """Hypotheses that cannot be rendered, and why."""
+    _tracers: dict[Causes, Tracer] = field(default_factory=dict)
+    _seen: dict[tuple[Causes, Causes], tuple[Floats, Floats]] = field(default_factory=dict)
+    _trials: dict[Causes, Trial | None] = field(default_factory=dict)
+    _concerned: dict[Applied, bool] = field(default_factory=dict)
+    _conditional: dict[tuple[Causes, bool], Evidence] = field(default_factory=dict)
+
+    @property
+    def out_of_time(self) -> bool:
+        return time.monotonic() > self.deadline
+
+    def changed(self, causes: Causes) -> ChangedTracer:
+        """The reference under these causes. Raises what a rule or the tracer raises where it cannot be done."""
+        of_scene = self._of_scene(causes)
+        if not of_scene:
+            return ChangedTracer(self.case, causes, self.rules, tracer=self.model)
+        known = self._tracers.get(of_scene)
+        changed = ChangedTracer(self.case, causes, self.rules, tracer=known)
+        if known is None:
+            if len(self._tracers) >= KEPT_TRACERS:
+                del self._tracers[next(iter(self._tracers))]
+            self._tracers[of_scene] = changed.of_scene
+        return changed
+
+    def trial(self, causes: Causes) -> Trial | None:
+        """None where the hypothesis cannot be rendered."""
+        if causes not in self._trials:
+            self._trials[causes] = self._tried(causes)
+        return self._trials[causes]
+
+    def passing_trial(self, causes: Causes) -> Trial | None:
+        """The same for a step of a fit, which need not be remembered."""
+        known = self._trials.get(causes)
+        return known if known is not None else self._tried(causes)
+
+    def moves_pixels(self, applied: Applied) -> bool:
+        return changes_film(self.rules[applied.cause])
+
+    def evidence_under(self, causes: Causes, *, picture_too: bool = False) -> Evidence | None:
+        """The evidence with these causes as part of the model: what is left for another one to account for. picture_too: the
+        whole picture as well. None where they cannot be rendered.
+        """
+        if not causes:
+            return self.sample.evidence
+        key = (causes, picture_too)
+        if key not in self._conditional:
+            try:
+                changed = self.changed(causes)
+                channels = changed.evaluate(self.sample.film_xy, MODEL_CHANNELS)
+                truth = changed.render()["radiance"] if picture_too else self.sample.evidence.truth
+            except Exception as problem:
+                self.refused[causes] = f"{type(problem).__name__}: {problem}"
+                return None
+            if len(self._conditional) >= KEPT_TRACERS:
+                del self._conditional[next(iter(self._conditional))]
+            self._conditional[key] = replace(self.sample.evidence, model=channels, truth=truth)
+        return self._conditional[key]
+
+    def _tried(self, causes: Causes) -> Trial | None:
+        self.tried += 1
+        try:
+            with np.errstate(all="ignore"):
+                radiance, error = self._shown(causes)
+        except Exception as problem:  # a rule of anybody's, on a scene that it cannot be applied to
+            self.refused[causes] = f"{type(problem).__name__}: {problem}"
+            return None
+        return self.scored(causes, radiance, error)
+
+    def scored(self, causes: Causes, radiance: Floats, error: Floats) -> Trial:
+        """A trial from what the hypothesis shows at the sample's pixels."""
+        evidence = self.sample.evidence
+        with np.errstate(all="ignore"):
+            bound = self.bounds.at(self.sample.pixels, radiance, error)
+            normalised = np.nan_to_num(np.abs(evidence.measured - radiance) / bound, nan=1e300, posinf=1e300).max(axis=1)
+        wrong = normalised > 1
+        missed = int((wrong & evidence.diverging).sum())
+        return Trial(causes, radiance, bound, normalised, missed, int(wrong.sum()) - missed, float(np.log1p(normalised).sum()))
+
+    def _shown(self, causes: Causes) -> tuple[Floats, Floats]:
+        key = (self._of_scene(causes), tuple(applied for applied in causes if _changes(self.rules[applied.cause], "change_film")))
+        changed = self.changed(causes)
+        film_xy = self.sample.film_xy
+        if key not in self._seen:
+            if len(self._seen) >= KEPT_PICTURES:
+                del self._seen[next(iter(self._seen))]
+            found = changed.of_scene.evaluate(changed.looked_at(film_xy), ("radiance", *ERROR_CHANNELS))
+            self._seen[key] = found["radiance"], error_of(found)
+        radiance, error = self._seen[key]
+        if not any(_changes(self.rules[applied.cause], "change_radiance") for applied in causes):
+            return radiance, error
+        return shown_with_error(changed, radiance, error, film_xy)
+
+    def _of_scene(self, causes: Causes) -> Causes:
+        return tuple(applied for applied in causes if self._concerns_scene(applied))
+
+    def _concerns_scene(self, applied: Applied) -> bool:
+        """Rules that can change scene and picture do one or the other, by reading."""
+        rule = self.rules[applied.cause]
+        if not changes_scene(rule) or not (changes_film(rule) or changes_values(rule)):
+            return changes_scene(rule)
+        if applied not in self._concerned:
+            untouched = rule.change_case(self.case, applied) is self.case
+            self._concerned[applied] = not (untouched and rule.change_shading(MODEL_RULES, applied) == MODEL_RULES)
+        return self._concerned[applied]
+
+
+def shown_with_error(changed: ChangedTracer, radiance: Floats, error: Floats, film_xy: Floats) -> tuple[Floats, Floats]:
+    """What a picture's own rules make of radiances and of their errors."""
+    here = changed.shown(radiance, film_xy)
+    up, down = changed.shown(radiance + error, film_xy), changed.shown(np.maximum(radiance - error, 0), film_xy)
+    return here, np.maximum(np.abs(up - here), np.abs(down - here))
+
+
+def _changes(rule: Rule, *methods: str) -> bool:
+    return any(getattr(type(rule), method) is not getattr(Rule, method) for method in methods)
+
+
+def changes_scene(rule: Rule) -> bool:
+    """Whether it changes what there is to be seen, or how it is lit."""
+    return _changes(rule, "change_case", "change_shading")
+
+
+def changes_film(rule: Rule) -> bool:
+    """Whether it changes where a pixel looks."""
+    return _changes(rule, "change_film")
+
+
+def changes_values(rule: Rule) -> bool:
+    """Whether it changes how a pixel's value is written down."""
+    return _changes(rule, "change_radiance")
+
+
+def ordered(causes: Sequence[Applied], rules: Mapping[str, Rule]) -> Causes:
+    """In the catalogue's order, except that what changes pixels' values comes last: the order in which a picture is made."""
+    place = {cause: index for index, cause in enumerate(rules)}
+    return tuple(sorted(causes, key=lambda a: (changes_values(rules[a.cause]), place[a.cause], a.reading, str(a.parameter))))
