@@ -59,6 +59,13 @@ def known_rules() -> Mapping[str, Rule]:
     return all_rules()
 
 
+def unusable_rules() -> tuple[str, ...]:
+    """One line for each third party's cause that cannot be used, and why."""
+    from equilux.diagnose.catalogue import broken_rules
+
+    return broken_rules()
+
+
 def diagnosed(case: Case, subject: Subject, method: Method, store: Store | None, tree: Tree) -> Diagnosis:
     """The diagnosis of one render, from the store or made now. A diagnosis that ran out of time is not remembered: the next run
     may have more of it."""

@@ -63,7 +63,7 @@ def complaints_about(dialect: Any) -> list[str]:
 
 def dialect_on(case: Case, dialect: Sequence[Declared], rules: Mapping[str, Any]) -> tuple[Applied, ...]:
     """The declared rules that concern this case, ready to be applied: those of its model, whose cause has a rule that may change
-    its picture. A rule that needs a parameter which the declaration leaves open cannot be applied.
+    its picture. A parameter that the declaration leaves open stays None: it depends on the scene, and is to be found.
 
     Raises ValueError for a reading that the cause does not have.
     """
@@ -78,6 +78,6 @@ def dialect_on(case: Case, dialect: Sequence[Declared], rules: Mapping[str, Any]
         if declared.reading not in rule.readings:
             allowed = ", ".join(repr(reading) for reading in rule.readings)
             raise ValueError(f"dialect: {declared.cause} has no reading {declared.reading!r}, allowed {allowed}")
-        if (rule.parameter is None or declared.parameter is not None) and rule.hypotheses(case):
+        if rule.hypotheses(case):
             out.append(Applied(declared.cause, declared.parameter, declared.reading))
     return tuple(out)
