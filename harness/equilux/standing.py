@@ -30,7 +30,7 @@ def standing_of(
     if against["verdict"] == "agree":
         return Standing(truth="agree", peers=peers, finding="as-modelled", reason=f"agrees with the {truth}")
     if diagnosis is None:
-        reason = against["reason"] or ("no cause could be looked for" if was_diagnosed else "it was not diagnosed")
+        reason = (against["reason"] or "no cause could be looked for") if was_diagnosed else "it was not diagnosed"
         return Standing(truth="diverge", peers=peers, finding="unexplained", reason=reason)
     finding, reason = _finding(diagnosis)
     return Standing(truth="diverge", dialect=diagnosis.dialect, peers=peers, finding=finding, reason=reason)
