@@ -212,10 +212,12 @@ class Cones:
 
 
 def with_round_numbers(values: Sequence[float], known: Sequence[float]) -> list[float]:
-    """The values, each preceded by those of `known` that are within 2 % of it."""
-    found: list[float] = []
+    """The values, and those of `known` near them: before a value where that is off by less than a thousandth, after it where by
+    less than two hundredths."""
+    found: dict[float, None] = {}
     for value in values:
-        for candidate in [*(number for number in known if abs(number / value - 1) < 0.02), value]:
-            if candidate not in found:
-                found.append(candidate)
-    return found
+        off = {number: abs(number / value - 1) for number in known}
+        near = sorted((number for number in known if off[number] < 0.02), key=lambda number: off[number])
+        found |= dict.fromkeys([n for n in near if off[n] < 1e-3])
+        found |= dict.fromkeys([value, *near])
+    return list(found)

@@ -27,21 +27,21 @@ INTRODUCTION = """\
 
 A cause is one named change of the lighting model, of the scene, or of the picture, which the reference tracer can carry out. So
 it can be proven: of a render that diverges from the truth, the reference is made to behave by the cause, the picture is
-computed anew, and compared with the render within the same uncertainty. A cause is reported where that brings diverging pixels into
-agreement, never for a correlation. Where one is not enough, sets of up to three are tried, and the smallest that explains the
-picture is reported; each cause with the share of the diverging pixels that would be lost without it. Causes that make the same
-picture of a scene cannot be told apart there and are reported together. What no cause explains is reported as `unexplained`, with
-the place where it lies.
+computed anew, and compared with the render within the same uncertainty. A cause is reported where that brings diverging pixels
+into agreement, never for a correlation. Where one is not enough, sets of up to three are tried, and the smallest that explains
+the picture is reported; each cause with the share of the diverging pixels that would be lost without it. Causes that make the
+same picture of a scene cannot be told apart there and are reported together. What no cause explains is reported as
+`unexplained`, with the place where it lies.
 
 A parameter, in brackets, is fitted to the picture. An idea may have been carried out in several ways: these *readings* are all
 tried, the first is the plain one, and the report says which it was. *Suspects* is where the fault more likely is if nobody
 declared the cause: in the renderer, or in the translation of the scene for it.
 
-Symbols are those of the lighting model: N, L, V, R, H, T unit vectors that leave the surface, R = 2 (N·L) N − L, H = unit(L + V),
-T the refracted direction of light from behind; E what arrives from a light, τ its shadow, g its gate (1 where N·L > 0, else 0), r
-its distance, ψ the angle to a spot's axis; K_diff, K_spec, p, K_amb, K_emit, k_refl, k_trans, t those of the material. Numbers
-like Q5 are entries of the `QUIRKS.md` in that renderer's adapter. Third parties add rules of their own by the entry-point group
-`equilux.causes`.
+Symbols are those of the lighting model: N, L, V, R, H, T unit vectors that leave the surface, R = 2 (N·L) N − L, H = unit(L +
+V), T the refracted direction of light from behind; E what arrives from a light, τ its shadow, g its gate (1 where N·L > 0, else
+0), r its distance, ψ the angle to a spot's axis; K_diff, K_spec, p, K_amb, K_emit, k_refl, k_trans, t those of the material.
+Numbers like Q5 are entries of the `QUIRKS.md` in that renderer's adapter. Third parties add rules of their own by the
+entry-point group `equilux.causes`.
 """
 
 
