@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
-from equilux.cli import inputs
+from equilux.cli import inputs, pinning
 from equilux.cli.inputs import shown
 from equilux.complaint import BadUsage
 
@@ -36,6 +36,8 @@ def run(
     flip: Flag = False,
     diagnose: bool = True,
     diagnosis_timeout: float = 20.0,
+    update_expectations: Flag = False,
+    yes: Flag = False,
     limit: Annotated[tuple[str, ...], Parameter(name="--limit", negative="")] = (),
     json: Flag = False,
 ) -> int:
@@ -78,6 +80,12 @@ def run(
         Say why a render diverges from the truth, and judge expectations by their causes.
     diagnosis_timeout
         Seconds that the diagnosis of one render may take.
+    update_expectations
+        Propose the edit of the spec files that would make this run's judgement pass: proven causes are pinned, vanished ones
+        removed, comments stay. Prints the diff and keeps it as OUT/expectations.patch; writes the files only when confirmed, on a
+        terminal or by --yes. Never in CI.
+    yes
+        Confirm what --update-expectations proposes.
     limit
         Raise a limit on specs, NAME=VALUE; may be given several times.
     json
@@ -90,6 +98,7 @@ def run(
     if jobs is not None:
         inputs.at_least_one("--jobs", jobs)
     _check_flip(flip)
+    pinning.check_allowed(update=update_expectations, yes=yes, plan=plan, diagnose=diagnose)
     planned = _planned(scenes, inputs.split_names("--adapters", adapters), set_, case_filter, limit, as_is=as_is, as_json=json)
     from equilux.tree import check_usable
 
@@ -112,6 +121,9 @@ def run(
             sys.stderr.write(f"the report cannot be written: {problem}\n")
             return ENGINE_FAULT
         (sys.stderr if json else sys.stdout).write(f"report: {shown(page)}\n")
+    if update_expectations and finished.exit_code != INTERRUPTED:
+        sources = {case.source for case in planned.cases}
+        pinning.update_expectations(finished.results, sources, out, limit, yes=yes, as_json=json)
     return finished.exit_code
 
 
