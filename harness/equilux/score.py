@@ -46,14 +46,15 @@ class ForeignImage:
 
 def score_image(
     case: Case, path: Path, *, abs_: float = 0.0, rel: float = 0.0,
-    truth: RenderedImage | None = None, tracer: Reference | None = None,
-) -> PairResult:
+    truth: RenderedImage | None = None, tracer: Reference | None = None, diagnose_within_s: float | None = None,
+) -> PairResult:  # fmt: skip
     """Judge an image file against the truth of a case, as any pair is judged.
 
     abs_, rel: what its renderer leaves uncertain beyond the file format: |error| ≤ abs_ + rel |L|. truth: by default the
     closed form where the case has one, else the reference tracer. The JSON is that of `compare_pair`, with "notes" from the
-    reading. An image of the wrong size diverges with that reason. Raises BadUsage for a file that is no whole image of three
-    bands.
+    reading. diagnose_within_s: if it diverges, look for the causes for as many seconds, and put them and the share that they
+    explain into "causes" and "explained"; None: do not. An image of the wrong size diverges with that reason. Raises BadUsage
+    for a file that is no whole image of three bands.
     """
     if tracer is None:
         from equilux_tracer import Tracer
@@ -63,8 +64,15 @@ def score_image(
     own = (Bound("stated", "stated by whoever asks", abs=abs_, rel=rel),) if abs_ or rel else ()
     uncertainty = stated(Budget((*foreign.budget.terms, *own)), foreign.image)
     side = RenderedImage(NAME, foreign.image, uncertainty, truth_rank=len(TRUTHS))
-    result = compare_pair(side, truth or truth_of(case, tracer), tracer)
+    truth = truth or truth_of(case, tracer)
+    result = compare_pair(side, truth, tracer)
     result.json["notes"] = list(foreign.notes)
+    if diagnose_within_s is not None and result.json["verdict"] == "diverge" and result.json["diverge"]:
+        from equilux.diagnose import search
+
+        found = search.diagnose(case, side, truth, result, restate=None, time_limit_s=diagnose_within_s)
+        result.json["explained"] = found.explained
+        result.json["causes"] = [cause.model_dump(mode="json") for cause in found.causes]
     return result
 
 

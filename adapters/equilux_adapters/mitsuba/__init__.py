@@ -19,6 +19,7 @@ class MitsubaAdapter:
     """See `equilux.adapter.Adapter`. Everything that needs NumPy or Mitsuba is imported when it is called for."""
 
     name = "mitsuba"
+    title = "Mitsuba"
     api_version = API_VERSION
     Knobs: ClassVar[type[Knobs]] = MitsubaKnobs
     workers_per_core: ClassVar[float] = 1.0

@@ -18,6 +18,7 @@ class OpenGLAdapter:
     """See `equilux.adapter.Adapter`. Everything that needs NumPy or OpenGL is imported when it is called for."""
 
     name = "opengl"
+    title = "OpenGL"
     api_version = API_VERSION
     Knobs: ClassVar[type[Knobs]] = OpenGLKnobs
     workers_per_core: ClassVar[float] = 1.0

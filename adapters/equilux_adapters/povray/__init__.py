@@ -22,6 +22,7 @@ class PovrayAdapter:
     """POV-Ray 3.7, the command-line program."""
 
     name = "povray"
+    title = "POV-Ray"
     api_version = API_VERSION
     Knobs: ClassVar[type[PovrayKnobs]] = PovrayKnobs
     workers_per_core: ClassVar[float] = 4.0  # a process takes 0.7 s and computes for 0.05 s of it (Q25)

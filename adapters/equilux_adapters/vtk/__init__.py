@@ -17,6 +17,7 @@ class VtkAdapter:
     """See `equilux.adapter.Adapter`. Everything that needs NumPy or VTK is imported when it is called for."""
 
     name = "vtk"
+    title = "VTK"
     api_version = API_VERSION
     Knobs: ClassVar[type[Knobs]] = VtkKnobs
     workers_per_core: ClassVar[float] = 1.0

@@ -9,7 +9,7 @@ from typing import Any
 
 import cyclopts
 
-from equilux.cli import adapters, brdf, explain, report, run, scenes, score
+from equilux.cli import adapters, brdf, dialects, explain, report, run, scenes, score
 from equilux.complaint import BadUsage
 
 BAD_USAGE = 2
@@ -32,6 +32,7 @@ def build() -> cyclopts.App:
     app.command(report.report)
     app.command(explain.explain)
     app.command(score.score)
+    app.command(dialects.dialects)
     app.command(brdf.brdf)
     app.command(scenes.build())
     app.command(adapters.build())

@@ -26,6 +26,8 @@ def score(
     case_filter: str | None = None,
     abs_: Annotated[float, Parameter(name="--abs")] = 0.0,
     rel: float = 0.0,
+    diagnose: bool = True,
+    diagnosis_timeout: float = 20.0,
     limit: Annotated[tuple[str, ...], Parameter(name="--limit", negative="")] = (),
     json: Annotated[bool, Parameter(negative="")] = False,
 ) -> int:
@@ -47,6 +49,10 @@ def score(
         What the renderer leaves uncertain, W/(m² sr).
     rel
         The same, relative to the radiance.
+    diagnose
+        Say why the image diverges.
+    diagnosis_timeout
+        Seconds that the diagnosis may take.
     limit
         Raise a limit on specs, NAME=VALUE.
     json
@@ -54,10 +60,11 @@ def score(
     """
     for option, value in (("--abs", abs_), ("--rel", rel)):
         inputs.not_below_zero(option, value)
+    inputs.above_zero("--diagnosis-timeout", diagnosis_timeout, "seconds")
     case = _one_case(inputs.load([scene], limit, as_json=json), case_filter)
     from equilux.score import score_image
 
-    result = score_image(case, image, abs_=abs_, rel=rel).json
+    result = score_image(case, image, abs_=abs_, rel=rel, diagnose_within_s=diagnosis_timeout if diagnose else None).json
     for note in result["notes"]:
         sys.stderr.write(f"{image}: {note}\n")
     if json:
@@ -93,7 +100,22 @@ def _told(case: Case, result: dict[str, Any]) -> str:
         )
     if (worst := result["worst"]) is not None:
         lines.append(f"worst at ({worst['x']}, {worst['y']}): image {_bands(worst['a'])}, {result['b']} {_bands(worst['b'])}")
-    return "".join(f"{line}\n" for line in lines)
+    return "".join(f"{line}\n" for line in [*lines, *_why(result)])
+
+
+def _why(result: dict[str, Any]) -> list[str]:
+    """The causes in words, one line each."""
+    from equilux.diagnose.diagnosis import Found
+    from equilux.explain.causes import name_of
+    from equilux.explain.numbers import listed, share
+
+    lines = []
+    for found in (Found.model_validate(cause) for cause in result["causes"]):
+        part = f", {share(found.explained)} of the diverging pixels" if found.explained is not None else ""
+        others = f"; this scene cannot tell it from {listed([name_of(other) for other in found.alternatives], 'or')}"
+        words = f": {found.words}" if found.words else ""
+        lines.append(f"cause: {name_of(found)}{part}{words}{others if found.alternatives else ''}")
+    return lines
 
 
 def _verdict(verdict: str) -> str:
