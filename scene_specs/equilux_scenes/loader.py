@@ -22,7 +22,10 @@ from equilux_scenes.yaml_tree import ListNode, MapNode, YamlText, YamlTree, pars
 
 SUFFIX = ".scene.yaml"
 
-__all__ = ["Limits", "SceneFile", "SpecError", "SpecErrors", "corpus_folder", "load_scene_file", "load_scene_text", "load_scenes"]
+__all__ = [
+    "Limits", "SceneFile", "SpecError", "SpecErrors", "corpus_folder", "load_scene_file", "load_scene_text", "load_scenes",
+    "repeated_names",
+]  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,7 +81,7 @@ def load_scenes(paths: Iterable[str | Path], limits: Limits | None = None) -> li
             loaded.append(load_scene_file(path, limits))
         except SpecErrors as failed:
             errors.extend(failed.errors)
-    errors.extend(_repeated_names(loaded))
+    errors.extend(repeated_names(loaded))
     if errors:
         raise SpecErrors(errors)
     return loaded
@@ -95,7 +98,8 @@ def _spec_paths(paths: Iterable[str | Path], errors: list[SpecError]) -> Iterato
         yield from found
 
 
-def _repeated_names(loaded: list[SceneFile]) -> Iterator[SpecError]:
+def repeated_names(loaded: Iterable[SceneFile]) -> Iterator[SpecError]:
+    """Scenes that bear the name of one before them."""
     first: dict[str, SceneFile] = {}
     for file in loaded:
         other = first.setdefault(file.scene.name, file)
