@@ -34,7 +34,7 @@ def evidence_of(case: Case, measured: np.ndarray) -> Evidence:
     film = case.scene.film
     rows, columns = np.mgrid[0 : film.height, 0 : film.width]
     film_xy = np.stack([columns.ravel() + 0.5, rows.ravel() + 0.5], axis=-1)
-    flat = {name: value.reshape(-1, *value.shape[2:]) for name, value in model.items()}
+    flat = {name: value.reshape(len(film_xy), *value.shape[2:]) for name, value in model.items()}
     bound = np.full((len(film_xy), 3), BOUND * float(np.abs(model["radiance"]).max()))
     values = measured.reshape(-1, 3)
     diverging = (np.abs(values - flat["radiance"]) > bound).any(axis=-1)

@@ -69,6 +69,7 @@ class TransparencyWeightIgnored(CheckedRule):
         "1 − t left out": "L_1 + t L_2",
         "t left out": "(1 − t) L_1 + L_2",
         "in shadows too": "L_1 + L_2, and shadows let k_trans through in place of t k_trans",
+        "opaque surfaces too": "L_1 + L_2 of every surface: where t = 0, light from behind and k_trans L_trans are added, too",
     }
 
     def touches(self, scene: Scene) -> bool:
@@ -81,5 +82,7 @@ class TransparencyWeightIgnored(CheckedRule):
     def change_shading(self, rules: ShadingRules, applied: Applied) -> ShadingRules:
         if applied.reading == "in shadows too":
             rules = dataclasses.replace(rules, transparent_shadow="k-only")
+        if applied.reading == "opaque surfaces too":
+            rules = dataclasses.replace(rules, opaque_behind=True)
         front, behind = applied.reading == "t left out", applied.reading == "1 − t left out"
         return dataclasses.replace(rules, front_weighted=front, behind_weighted=behind)

@@ -82,8 +82,8 @@ class WeightCut(CheckedRule):
         for above, below in zip([2.0, *weights], [*weights, LEAST_WEIGHT], strict=True):
             known = [cut for cut in KNOWN_CUTS if below < cut <= above]
             found.append(known[0] if known else float(np.sqrt(min(above, 1.0) * below)))
-        # Below the largest cut that changes nothing all are neutral: the last interval is dropped where weights end by depth.
-        return [Applied(self.id, value) for value in found if value > LEAST_WEIGHT and any(weight < value for weight in weights)]
+        # A cut that no weight is below changes nothing.
+        return [Applied(self.id, value) for value in dict.fromkeys(found) if value > min(weights, default=1.0)]
 
 
 def _weights(scene: Scene) -> list[float]:

@@ -7,7 +7,8 @@ from collections.abc import Collection
 import numpy as np
 
 from equilux_scenes.case import Case
-from equilux_scenes.model import AreaEmitter, Emitter, SphereEmitter
+from equilux_scenes.model import AreaEmitter, Emitter, PointLight, SphereEmitter, SpotLight
+from equilux_scenes.units import OTHER_THAN_BANDS
 from equilux_tracer.causes.rewrite import BLACK, with_lights, with_materials, with_scene
 from equilux_tracer.causes.rule import Floats
 from equilux_tracer.tracer import Tracer
@@ -46,13 +47,20 @@ def absent_emitter(case: Case) -> SphereEmitter:
 
 
 def reach(case: Case) -> float:
-    """A length that the scene's bounded parts have, m: no light or corner is farther from the origin."""
-    return max(_largest(case.scene.model_dump(include={"camera", "lights", "objects"})), 1e-30)
+    """A length, m: nothing bounded in the scene is farther from the origin, neither eye nor lights nor corners."""
+    scene = case.scene
+    places = [scene.camera.eye, scene.camera.target]
+    places += [light.position for light in scene.lights.values() if isinstance(light, PointLight | SpotLight)]
+    numbers = [light.model_dump(exclude={*OTHER_THAN_BANDS, "radiance"}) for light in scene.area_emitters.values()]
+    numbers += [obj.model_dump(exclude={"transform"}) for obj in scene.objects]
+    numbers += [step.model_dump(exclude={"rotate"}) for obj in scene.objects for step in obj.transform]
+    sizes = [float(np.abs(mesh.vertices).max(initial=0)) for mesh in case.meshes.values()]
+    return max(_largest([places, numbers, sizes]), 1e-30)
 
 
 def _largest(value: object) -> float:
     if isinstance(value, dict):
-        return max((_largest(v) for v in value.values()), default=0.0)
+        return max((_largest(part) for part in value.values()), default=0.0)
     if isinstance(value, list | tuple):
-        return max((_largest(v) for v in value), default=0.0)
+        return max((_largest(part) for part in value), default=0.0)
     return abs(value) if isinstance(value, float) else 0.0

@@ -119,19 +119,24 @@ class ShadowBias(CheckedRule):
     id = "shadow-bias"
     group = "transport"
     formula = ("τ: crossings with 0 < s", "τ: crossings with length ≤ s, s from the surface")
+    readings: ClassVar[Mapping[str, str]] = {
+        "": "s along the shadow ray",
+        "off the surface": "the shadow ray starts a length off the surface, along its normal",
+    }
     parameter = Continuous("length", "m", 1e-12, 1e12, "log")
 
     def touches(self, scene: Scene) -> bool:
         return _occludes(scene) and any(any(light) for light in _strengths_of_delta(scene))
 
     def change_shading(self, rules: ShadingRules, applied: Applied) -> ShadingRules:
-        return dataclasses.replace(rules, shadow_bias_m=float(applied.parameter))  # type: ignore[arg-type]
+        length = float(applied.parameter)  # type: ignore[arg-type]
+        return dataclasses.replace(rules, shadow_bias_m=length, shadow_bias="along-normal" if applied.reading else "along-ray")
 
     def estimates(self, hypothesis: Applied, evidence: Evidence) -> Sequence[Applied]:
         """Three lengths a decade, from 1e-6 of the scene's size to that size, round ones."""
         largest = np.floor(np.log10(reach(evidence.case)))
         lengths = [round(step * 10.0**power, 15) for power in np.arange(largest, largest - 6, -1) for step in (5, 2, 1)]
-        return [Applied(self.id, float(length)) for length in lengths if length > 0]
+        return [Applied(self.id, float(length), hypothesis.reading) for length in lengths if length > 0]
 
 
 def _strengths_of_delta(scene: Scene) -> list[BandTriple]:

@@ -1,0 +1,271 @@
+"""Rules of shadows, mirrors and glass, against the scene written by hand and against numbers of single rays."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from equilux_tracer import Tracer
+from equilux_tracer.causes import RULES, Applied
+from support.faulty import assert_same, estimated, evidence_of, picture, tried, with_cause
+from support.one_ray import box, lamp, plane, scene, sphere
+from support.random_scenes import case_of, changed
+
+GLASS = {
+    "diffuse": 0.1,
+    "specular": 0.3,
+    "exponent": 9,
+    "reflection": 0.2,
+    "transmission": [0.9, 0.8, 0.7],
+    "transparency": 0.6,
+    "ior": 1.4,
+}
+SPEC = {
+    "equilux": 1,
+    "name": "mirror-and-glass",
+    "model": "raytraced",
+    "camera": {"projection": "perspective", "eye": [0.4, 1.2, 3], "target": [0, 0, 0], "fov_y_deg": 40},
+    "film": {"width": 32, "height": 24},
+    "ambient": [0.02, 0.03, 0.01],
+    "background": [0.3, 0.4, 0.5],
+    "lights": {
+        "key": {"kind": "point", "position": [1.5, 3, 2], "intensity": [7, 8, 9]},
+        "sun": {"kind": "directional", "direction": [1, -0.8, -0.6], "irradiance": [0.9, 0.5, 0.4]},
+    },
+    "materials": {
+        "mirror": {"diffuse": 0.1, "specular": 0.2, "exponent": 30, "reflection": [0.7, 0.6, 0.5]},
+        "glass": GLASS,
+        "floor": {"diffuse": [0.4, 0.3, 0.2], "ambient": 1, "reflection": 0.1},
+    },
+    "objects": [
+        {"kind": "sphere", "center": [-0.6, 0, 0], "radius": 0.5, "material": "mirror"},
+        {"kind": "sphere", "center": [0.5, 0, 0.4], "radius": 0.4, "material": "glass"},
+        {"kind": "rectangle", "corner": [-2, -0.5, 2], "edge_u": [4, 0, 0], "edge_v": [0, 0, -4], "material": "floor"},
+    ],
+    "recursion_limit": 5,
+}  # fmt: skip
+CASE = case_of(SPEC)
+
+
+def by_hand(glass=None, mirror=None, floor=None, **scene_keys):
+    spec = changed(SPEC, **scene_keys)
+    for name, keys in (("glass", glass), ("mirror", mirror), ("floor", floor)):
+        spec["materials"][name].update(keys or {})
+    return case_of(spec)
+
+
+OWN = {"diffuse": 0.1 * 0.4, "specular": 0.3 * 0.4, "reflection": 0.2 * 0.4}
+
+
+@pytest.mark.parametrize(
+    ("cause", "parameter", "reading", "changes"),
+    [
+        ("transparent-shadow-rule", None, "", {"transparent_shadows": "ignore"}),
+        ("reflection-missing", None, "", {key: {"reflection": 0} for key in ("glass", "mirror", "floor")}),
+        ("refraction-missing", None, "", {"glass": {"transmission": 0}}),
+        ("refraction-missing", None, "opaque", {"glass": {"transparency": 0, "ior": 1}}),
+        ("refraction-missing", None, "opaque, 1 − t of its own", {"glass": {"transparency": 0, "ior": 1, **OWN}}),
+        ("refraction-missing", None, "not bent", {"glass": {"ior": 1}}),
+        ("recursion-cut", 2, "", {"recursion_limit": 2}),
+        ("recursion-cut", 7, "beyond the limit", {"recursion_limit": 7}),
+        ("index-inverted", None, "", {"glass": {"ior": 1 / 1.4}}),
+        ("background-missing", None, "", {"background": 0}),
+        ("background-missing", None, "ambient", {"background": SPEC["ambient"]}),
+        ("background-missing", (0.5, 0.25, 0.75), "another radiance", {"background": [0.5, 0.25, 0.75]}),
+    ],
+)
+def test_a_changed_scene_is_the_scene_written_by_hand(cause, parameter, reading, changes):
+    got = with_cause(CASE, cause, parameter, reading)
+    assert_same(got, picture(by_hand(**changes)))
+    assert np.abs(got - picture(CASE)).max() > 1e-6
+
+
+def test_a_recursion_limit_below_the_cut_stays():
+    assert_same(with_cause(CASE, "recursion-cut", 9), picture(CASE))
+
+
+def test_without_occlusion_the_local_terms_are_those_of_model_phong():
+    plain = {name: {k: v for k, v in material.items() if k != "reflection"} for name, material in SPEC["materials"].items()}
+    spec = changed(SPEC, materials={**plain, "glass": plain["mirror"]})
+    phong = changed(spec, model="phong")
+    del phong["recursion_limit"]
+    assert_same(with_cause(case_of(spec), "occlusion-ignored"), picture(case_of(phong)))
+
+
+def directly_seen(case, obj):
+    return Tracer(case).render(["object_id"])["object_id"] == obj
+
+
+@pytest.mark.parametrize(
+    ("reading", "glass"),
+    [
+        ("opaque", {"transmission": 0}),
+        ("t only", {"transmission": 1}),
+        ("k_trans only", {"transmission": [0.9 / 0.6, 0.8 / 0.6, 0.7 / 0.6]}),
+    ],
+)
+def test_the_shadow_of_glass_is_that_of_other_glass(reading, glass):
+    floor = directly_seen(CASE, 2)
+    # No mirror shows the glass itself.
+    dull = {"floor": {"reflection": 0}}
+    got = with_cause(by_hand(**dull), "transparent-shadow-rule", None, reading)[floor]
+    assert_same(got, picture(by_hand(glass=glass, **dull))[floor])
+    assert np.abs(got - picture(by_hand(**dull))[floor]).max() > 1e-3
+
+
+def test_black_glass_may_cast_the_shadow_of_clear_glass():
+    dull = {"floor": {"reflection": 0}}
+    got = with_cause(by_hand(**dull), "refraction-missing", None, "black, shadows by t")
+    floor = directly_seen(CASE, 2)
+    assert_same(got[floor], picture(by_hand(glass={"transmission": 1}, **dull))[floor])
+
+
+def test_the_background_may_be_missing_in_mirrors_only_or_for_the_camera_only():
+    black, full, missed = picture(by_hand(background=0)), picture(CASE), directly_seen(CASE, -1)
+    in_mirrors = with_cause(CASE, "background-missing", None, "black in mirrors")
+    for_camera = with_cause(CASE, "background-missing", None, "black for the camera")
+    assert missed.any()
+    assert (in_mirrors[missed] == full[missed]).all()
+    assert_same(in_mirrors[~missed], black[~missed])
+    assert np.abs(for_camera[missed]).max() == 0
+    assert_same(for_camera[~missed], full[~missed])
+
+
+# --- single rays ------------------------------------------------------------------------------------------------------
+
+
+def seen(case, cause, parameter=None, reading=""):
+    return float(with_cause(case, cause, parameter, reading)[0, 0, 0])
+
+
+@pytest.mark.parametrize(("reading", "weight"), [("", 0.5 * 0.3), ("transmitted too", 0.5 * 0.3 + 0.5 * 0.8), ("none", 0.0)])
+def test_total_reflection_has_the_weight_of_the_rule(reading, weight):
+    water = {"reflection": 0.3, "transmission": 0.8, "transparency": 0.5, "ior": 1.33}
+    case = case_of(
+        scene(plane([0, 0, 0], [0, 1, 0], "w"), materials={"w": water}, eye=[0, -1, 0], target=[3, 0, 0], background=2.0)
+    )
+    assert picture(case)[0, 0, 0] == 2.0
+    assert seen(case, "tir-weight", None, reading) == pytest.approx(2 * weight, abs=1e-15)
+    assert seen(case, "reflection-missing", None, "total reflection too") == 0
+
+
+def test_glass_in_glass_of_the_same_index_is_not_there_where_media_nest():
+    clear = {"transparency": 1, "transmission": 1, "ior": 1.5}
+    outer, inner = sphere([0, 0, 0], 1, "g"), sphere([0.2, 0, 0], 0.4, "g")
+    what = {
+        "materials": {"g": clear, "f": {"diffuse": 1}}, "eye": [0.3, 0.4, 4], "target": [0.25, 0.1, 0],
+        "lights": [lamp([1, 2, -3])],
+        "transparent_shadows": "ignore",
+    }  # fmt: skip
+    screen = plane([0, 0, -4], [0, 0, 1], "f")
+    both, alone = case_of(scene(outer, inner, screen, **what)), case_of(scene(outer, screen, **what))
+    assert seen(both, "nested-media") == pytest.approx(picture(alone)[0, 0, 0], rel=1e-12)
+    assert abs(picture(both)[0, 0, 0] - picture(alone)[0, 0, 0]) > 1e-4
+    assert tried(both, "nested-media") == [(None, "")]
+    assert tried(alone, "nested-media") == []
+
+
+def test_transmitted_rays_that_do_not_count_reach_the_background():
+    case = case_of(
+        scene(sphere([0, 0, 0], 1, "g"), materials={"g": {"transparency": 0.5, "transmission": 1, "ior": 1.5}}, eye=[0, 0, 4],
+              target=[0, 0, 0], background=2.0, recursion_limit=1)
+    )  # fmt: skip
+    assert picture(case)[0, 0, 0] == 0
+    assert seen(case, "transmission-uncounted") == 2 * 0.25
+
+
+def sheet(**more):
+    material = {"diffuse": 0.5, "reflection": 0.4, "transmission": 0.8, "transparency": 0.25}
+    lights = [{"kind": "directional", "direction": [0, 0, -1], "irradiance": 3.0}]
+    return case_of(scene(plane([0, 0, 0], [0, 0, 1], "s"), materials={"s": material}, eye=[0, 0, 4], target=[0, 0, 0],
+                         background=2.0, lights=lights, **more))  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("reading", "front", "behind"),
+    [("", 1, 1), ("1 − t left out", 1, 0.25), ("t left out", 0.75, 1), ("in shadows too", 1, 1), ("opaque surfaces too", 1, 1)],
+)
+def test_weights_of_a_transparent_surface_are_those_of_the_rule(reading, front, behind):
+    own, through = 3 * 0.5 + 0.4 * 2, 0.8 * 2
+    assert picture(sheet())[0, 0, 0] == pytest.approx(0.75 * own + 0.25 * through, rel=1e-14)
+    assert seen(sheet(), "transparency-weight-ignored", None, reading) == pytest.approx(front * own + behind * through, rel=1e-14)
+
+
+def between_mirrors(k=0.5, limit=12):
+    mirror = {"emission": 1.0, "reflection": k}
+    return case_of(
+        scene(plane([0, 0, 0], [0, 0, 1], "m"), plane([0, 0, 4], [0, 0, -1], "m"), materials={"m": mirror}, eye=[0, 0, 2],
+              target=[0.3, 0, 0], recursion_limit=limit)
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize(("cut", "terms"), [(0.6, 1), (0.1, 4), (1 / 255, 8)])
+def test_rays_below_the_weight_are_not_followed(cut, terms):
+    assert seen(between_mirrors(), "weight-cut", cut) == pytest.approx(sum(0.5**n for n in range(terms)), rel=1e-14)
+
+
+@pytest.mark.parametrize("cut", [0.3, 0.1, 1 / 255, 0.0005])
+def test_the_weight_at_which_rays_end_is_among_the_estimates(cut):
+    case = between_mirrors()
+    shown = seen(case, "weight-cut", cut)
+    tried_cuts = estimated(case, "weight-cut", cut)
+    assert len(tried_cuts) <= 12, "one for each number of mirrors"
+    assert [seen(case, "weight-cut", value) for value in tried_cuts].count(shown) == 1
+    if cut == 1 / 255:
+        assert cut in tried_cuts
+
+
+@pytest.mark.parametrize(("reading", "length", "shadow"), [("", 0.3, False), ("", 0.2, True), ("off the surface", 0.3, False)])
+def test_blockers_nearer_than_the_bias_cast_no_shadow(reading, length, shadow):
+    """A lid a quarter above the floor, the floor seen from beside it."""
+    objects = [plane([0, 0, 0], [0, 1, 0], "f"), box([-1, 0.25, -1], [1, 0.26, 1], "f")]
+    case = case_of(
+        scene(*objects, materials={"f": {"diffuse": 1}}, eye=[3, 0.6, 0], target=[0.5, 0, 0], lights=[lamp([0, 50, 0], 2500.0)])
+    )
+    bare = picture(case_of(scene(objects[0], materials={"f": {"diffuse": 1}}, eye=[3, 0.6, 0], target=[0.5, 0, 0],
+                                 lights=[lamp([0, 50, 0], 2500.0)])))  # fmt: skip
+    assert picture(case)[0, 0, 0] == 0
+    assert seen(case, "shadow-bias", length, reading) == pytest.approx(0 if shadow else bare[0, 0, 0], rel=1e-12)
+    lengths = [value.parameter for value in RULES["shadow-bias"].estimates(Applied("shadow-bias"), evidence_of(case, bare))]
+    assert min(lengths) < 1e-3 < 0.5 in lengths
+
+
+# --- what is tried ----------------------------------------------------------------------------------------------------
+
+
+def test_another_background_is_read_off_the_picture():
+    got = estimated(CASE, "background-missing", (0.5, 0.25, 0.75), "another radiance")
+    assert got == [pytest.approx((0.5, 0.25, 0.75))]
+    assert not RULES["background-missing"].estimates(
+        Applied("background-missing", None, "another radiance"), evidence_of(CASE, with_cause(CASE, "recursion-cut", 0))
+    ), "rays that miss agree"
+
+
+def test_every_smaller_recursion_limit_is_tried_and_those_just_beyond():
+    assert tried(CASE, "recursion-cut") == [*((n, "") for n in range(5)), (6, "beyond the limit"), (7, "beyond the limit")]
+    deep = [n for n, reading in tried(by_hand(recursion_limit=200), "recursion-cut") if not reading]
+    assert {0, 5, 99, 100, 128, 198, 199} - set(deep) == {99}
+    assert len(deep) < 30
+
+
+LOCAL = changed(SPEC, materials={name: {"diffuse": 0.5} for name in SPEC["materials"]})
+
+
+@pytest.mark.parametrize(
+    ("case", "causes"),
+    [
+        (case_of(LOCAL), ["transparent-shadow-rule", "reflection-missing", "refraction-missing", "recursion-cut",
+                          "weight-cut", "index-inverted", "tir-weight", "nested-media", "transmission-uncounted",
+                          "transparency-weight-ignored"]),
+        (case_of(changed(LOCAL, lights={})), ["occlusion-ignored", "shadow-bias"]),
+        (by_hand(glass={"ior": 1}), ["index-inverted", "tir-weight", "nested-media"]),
+        (by_hand(recursion_limit=0), ["reflection-missing", "recursion-cut", "weight-cut", "tir-weight"]),
+    ],
+)  # fmt: skip
+def test_what_cannot_change_the_picture_is_not_tried(case, causes):
+    assert {cause: tried(case, cause) for cause in causes} == {cause: [] for cause in causes}
+
+
+def test_a_black_background_is_not_missed():
+    readings = {reading for _, reading in tried(by_hand(background=0, ambient=0), "background-missing")}
+    assert readings == {"another radiance"}
