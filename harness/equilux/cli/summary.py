@@ -5,9 +5,11 @@ from __future__ import annotations
 from collections import Counter
 
 from equilux.cli.inputs import table
+from equilux.diagnose.diagnosis import Found
+from equilux.explain.causes import name_of
 from equilux.judge import FAILED
 from equilux.results import CaseRecord, PairRecord, Results
-from equilux.trust import trust_rank
+from equilux.trust import TRUTHS, trust_rank
 
 SHOWN = 20
 HEADER: tuple[str, ...] = (
@@ -59,17 +61,26 @@ def _look_at(results: Results) -> str:
 
 def _pair_line(case: CaseRecord, pair: PairRecord) -> str:
     if pair.judged == "improved":
-        causes = ", ".join(used.cause for used in case.expect if used.adapter == pair.a)
-        return (
-            f"{case.case}: {pair.a} agrees with {pair.b}, but the scene expects it to diverge ({causes}): remove the expectation"
-        )
+        gone = [used.cause for used in case.expect if used.adapter == pair.a and (pair.verdict == "agree" or used.held is False)]
+        if pair.verdict == "agree":
+            what = f"agrees with {pair.b}, but the scene expects it to diverge ({', '.join(gone)})"
+        else:
+            found = ", ".join(dict.fromkeys(cause.id for cause in pair.causes))
+            what = f"diverges from {pair.b} by {found}, and no more by {', '.join(gone)} as the scene expects"
+        return f"{case.case}: {pair.a} {what}: remove the expectation{'s' if len(gone) > 1 else ''}"
     if pair.diverge:
         size = f", largest difference {pair.max_abs:.3g}" if pair.max_abs is not None else ""
         share = f"{pair.diverge} of {pair.pixels} pixels{size}"
     else:
         share = pair.reason or "no pixel could be scored"
     place = f" at ({pair.worst.x}, {pair.worst.y})" if pair.worst is not None else ""
-    return f"{case.case}: {pair.a} diverges from {pair.b}: {share}{place}"
+    found = ", ".join(dict.fromkeys(f"{_who(cause, pair)}{name_of(cause)}" for cause in pair.causes))
+    return f"{case.case}: {pair.a} diverges from {pair.b}: {share}{place}{f'; by {found}' if found else ''}"
+
+
+def _who(cause: Found, pair: PairRecord) -> str:
+    """Whose cause it is, where it might be either side's."""
+    return f"{cause.side}'s " if pair.b not in TRUTHS and cause.side else ""
 
 
 def _counts(results: Results) -> str:
