@@ -87,7 +87,7 @@ template <class F> Bands local_terms(Tracing& tracing, const Visit& visit, const
 }
 
 template <class F> Onward onward_from(const Tracing& tracing, const Visit& visit) {
-  if constexpr (F::ruled) return ruled_onward(tracing.world.description.rules, visit.point, visit.material, indices_at(tracing, visit));
+  if constexpr (F::ruled) return ruled_onward(tracing.world.description.rules, visit.point, visit.material, ruled_indices_at(tracing, visit));
   return onward_of_model<F>(visit.point, visit.material);
 }
 
@@ -108,7 +108,7 @@ template <class F> void send_secondary(Tracing& tracing, const Visit& visit, con
     if (!weight.any()) continue;
     Journey journey;
     if constexpr (F::ruled) {
-      if (largest(weight) < tracing.world.description.rules.weight_cut) continue;
+      if (is_cut(tracing.world.description.rules, tracing.path_weight * weight)) continue;
       journey = journey_beyond(tracing.world, tracing.media, visit, ray);
     }
     const Branch branch = visit.branch == Branch::none ? ray.branch : visit.branch;

@@ -46,6 +46,7 @@ struct Tracing {
   Bands radiance, reflected, transmitted, rounding;
   Signature signature;
   int terms = 0;  // that were summed up
+  Bands path_weight{1, 1, 1};  // of the path on which the rays begin, where it is not the camera's: a rule cuts by the whole path's weight
 
   Tracing(const World& world, const Outputs& out) : world(world), out(out), traversal(world), shadows(world) {}
 

@@ -11,7 +11,7 @@ namespace equilux {
 
 // Under `nested_media` entering an object leads from the innermost of the media that the ray is in into the object, leaving it from the
 // innermost into what is innermost without it. An object that was not entered (the eye is in it) has its own index all the same.
-inline Indices indices_at(const Tracing& tracing, const Visit& visit) {
+inline Indices ruled_indices_at(const Tracing& tracing, const Visit& visit) {
   const World& world = tracing.world;
   const SurfacePoint& point = visit.point;
   const int object = point.object, medium = visit.journey.medium;
@@ -49,6 +49,17 @@ inline Journey journey_beyond(const World& world, Media& media, const Visit& vis
 inline bool beyond_ruled_limit(const World& world, const Visit& visit) {
   return visit.journey.counted >= world.description.recursion_limit ||
          (!world.description.rules.transmission_counted && visit.used >= most_uncounted);
+}
+
+inline bool is_cut(const Rules& rules, const Bands& path_weight) { return largest(path_weight) < rules.weight_cut; }
+
+// Takes out the rays that are not followed.
+inline void cut_by_weight(const Rules& rules, const Bands& path_weight, Onward& onward) {
+  int kept = 0;
+  for (int i = 0; i < onward.count; ++i) {
+    if (!is_cut(rules, path_weight * onward.rays[i].weight)) onward.rays[kept++] = onward.rays[i];
+  }
+  onward.count = kept;
 }
 
 // --- secondary rays -------------------------------------------------------------------------------------------------------
@@ -92,7 +103,7 @@ template <class F> Bands ruled_local_terms(Tracing& tracing, const Visit& visit,
   const World& world = tracing.world;
   const MaterialDescription& material = visit.material;
   const Formula formula(world, material);
-  const Indices indices = indices_at(tracing, visit);
+  const Indices indices = ruled_indices_at(tracing, visit);
   LitPlaces places;
   find_lit_places(world, visit.point, visit.used == 0, places);
   const std::size_t lights = world.lights.size();

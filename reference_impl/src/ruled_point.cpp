@@ -39,17 +39,21 @@ void turn_normal(const Rules& rules, SurfacePoint& point) {
   if (reversed) point.normal = -point.normal;
 }
 
+void corner_weights(const World& world, const SurfacePoint& point, const Vec3dd& position, double (&weight)[3]) {
+  DoubleDouble beta, gamma;
+  world.meshes[static_cast<std::size_t>(point.mesh)].triangle(point.triangle).weights(position, beta, gamma);
+  weight[0] = to_double(DoubleDouble(1.0) - beta - gamma);
+  weight[1] = to_double(beta);
+  weight[2] = to_double(gamma);
+}
+
 void find_lit_places(const World& world, const SurfacePoint& point, bool first, LitPlaces& places) {
   places.count = 1;
   places.weight[0] = 1;
   if (lit_at_vertices(world, point)) {
-    DoubleDouble beta, gamma;
-    world.meshes[static_cast<std::size_t>(point.mesh)].triangle(point.triangle).weights(point.position, beta, gamma);
+    corner_weights(world, point, point.position, places.weight);
+    for (double& weight : places.weight) weight = std::fmax(0, weight);  // on an edge rounding may leave one just below 0
     places.count = 3;
-    // On an edge rounding may leave a weight just below 0, and a radiance with it.
-    places.weight[0] = std::fmax(0, to_double(DoubleDouble(1.0) - beta - gamma));
-    places.weight[1] = std::fmax(0, to_double(beta));
-    places.weight[2] = std::fmax(0, to_double(gamma));
     for (int k = 0; k < 3; ++k) places.at[k] = corner_point(world, point, k, first);
   } else {
     places.at[0] = point;

@@ -31,6 +31,9 @@ struct LitPlaces {
   int count = 1;
 };
 
+// How much the corners of the point's triangle count at `position`, in its plane.
+void corner_weights(const World& world, const SurfacePoint& point, const Vec3dd& position, double (&weight)[3]);
+
 // first: seen by the camera, and not by a secondary ray. `point` has the rules' N.
 void find_lit_places(const World& world, const SurfacePoint& point, bool first, LitPlaces& places);
 

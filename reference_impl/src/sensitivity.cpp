@@ -2,42 +2,34 @@
 
 #include <algorithm>
 
-#include "moved_light.h"
-#include "opengl.h"
+#include "moved_formula.h"
 #include "precision.h"
 
 namespace equilux {
 namespace {
 
-// A surface point in double, and what its lights did there: the signature to be held. Steps are many orders larger than a double's
-// rounding, which is why no double-double is needed here.
+// A lit place in double, and what its lights did there: the signature to be held. Steps are many orders larger than a double's rounding,
+// which is why no double-double is needed here.
 struct Held {
   const World* world = nullptr;
   const MaterialDescription* material = nullptr;
+  const Formula* formula = nullptr;
   Vec3d position, normal, to_viewer;
-  bool half_vector = false;     // model opengl
   bool viewer_follows = false;  // V points to the eye point
-  std::vector<char> in_front, in_cone;
+  std::vector<HeldLight> lights;
 };
-
-Vec3d unit_or_zero(const Vec3d& v) { return largest(v) > 0 ? unit(v) : Vec3d{}; }
 
 // The shares of a light are 1, and its ambient one 0, in all models but opengl.
 Bands from_light(const Held& at, std::size_t k, const Vec3d& position, const Vec3d& normal, const Vec3d& to_viewer) {
-  if (!at.in_cone[k]) return {};
+  if (!at.lights[k].in_cone) return {};
   const Light& light = at.world->lights[k];
   const LightDescription& given = light.given;
   Vec3d to_light;
   double share;
   if (!seen_from_moved(light, to_double(light.position) - position, to_light, share)) return {};
-  const double cosine = dot(normal, to_light);
-  Bands reflected = at.material->diffuse * given.diffuse * std::max(0.0, cosine) + at.material->ambient * given.ambient;
-  if (at.in_front[k] && at.material->specular.any()) {
-    const double lobe = at.half_vector ? dot(normal, unit_or_zero(to_light + to_viewer))
-                                       : 2 * cosine * dot(normal, to_viewer) - dot(to_light, to_viewer);
-    const bool even = at.half_vector && at.material->exponent == 0;  // opengl.h
-    reflected = reflected + at.material->specular * given.specular * (even ? 1 : power(lobe, at.material->exponent));
-  }
+  const LightShares shares = moved_shares(*at.formula, at.lights[k], normal, to_light, to_viewer, 1);
+  const Bands reflected = at.material->diffuse * given.diffuse * shares.diffuse + at.material->ambient * given.ambient +
+                          at.material->specular * given.specular * shares.specular;
   return given.strength * reflected * share;
 }
 
@@ -61,19 +53,16 @@ Bands larger_change(const Bands& base, const Bands& plus, const Bands& minus) {
   return {change(base.r, plus.r, minus.r), change(base.g, plus.g, minus.g), change(base.b, plus.b, minus.b)};
 }
 
-void hold(const World& world, const SurfacePoint& point, Held& at) {
+void hold(const World& world, const SurfacePoint& place, const Formula& formula, Held& at) {
   at.world = &world;
-  at.material = &material_of(world, point.object);
-  at.position = to_double(point.position);
-  at.normal = to_double(point.normal);
-  at.half_vector = world.description.model == Model::opengl;
-  at.to_viewer = to_double(at.half_vector ? opengl_viewer(world, point) : point.to_viewer);
-  at.viewer_follows = at.half_vector ? !world.description.infinite_viewer : world.camera.perspective();
-  for (std::size_t k = 0; k < world.lights.size(); ++k) {
-    const Arriving arriving = arriving_light<true>(world.lights[k], point);
-    at.in_cone[k] = arriving.in_cone;
-    at.in_front[k] = cosine_to_light(point, at.normal, arriving) > 0;
-  }
+  at.material = &material_of(world, place.object);
+  at.formula = &formula;
+  at.position = to_double(place.position);
+  at.normal = to_double(place.normal);
+  at.to_viewer = to_double(place.to_viewer);
+  at.viewer_follows = viewer_follows(world);
+  Arriving arriving;
+  for (std::size_t k = 0; k < world.lights.size(); ++k) at.lights[k] = held_light(world.lights[k], place, arriving);
 }
 
 Bands change_of(const Held& at, double normal_step, double position_step) {
@@ -88,6 +77,24 @@ Bands change_of(const Held& at, double normal_step, double position_step) {
     if (position_step > 0) total = total + larger_change(base, with_position(at, u * position_step), with_position(at, u * -position_step));
   }
   return total;
+}
+
+Bands change_at(const World& world, SurfacePoint& point, const GeometricBounds& bounds, Held& at) {
+  const std::size_t object = static_cast<std::size_t>(point.object);
+  const double normal_step = bounds.normal[object], position_step = bounds.position_m[object];
+  const Formula formula(world, material_of(world, point.object));
+  turn_normal(world.description.rules, point);
+  LitPlaces places;
+  find_lit_places(world, point, true, places);
+  const auto change = [&](int j) {
+    hold(world, places.at[j], formula, at);
+    return change_of(at, normal_step, position_step);
+  };
+  const auto radiance = [&](int j) {
+    hold(world, places.at[j], formula, at);
+    return reflected(at, at.position, at.normal, at.to_viewer);
+  };
+  return change_over_places(world, point, places, position_step, change, radiance);
 }
 
 }  // namespace
@@ -107,17 +114,12 @@ bool sensitivity(const World& world, const Samples& samples, const GeometricBoun
     search.world = &world;
     SurfacePoint point;
     Held at;
-    at.in_front.resize(world.lights.size());
-    at.in_cone.resize(world.lights.size());
+    at.lights.resize(world.lights.size());
     for (std::size_t i = begin; i < end; ++i) {
       double x, y;
       samples.position(i, x, y);
       Bands total;
-      if (Exact::find(world, search, x, y, point)) {
-        const std::size_t object = static_cast<std::size_t>(point.object);
-        hold(world, point, at);
-        total = change_of(at, bounds.normal[object], bounds.position_m[object]);
-      }
+      if (Exact::find(world, search, x, y, point)) total = change_at(world, point, bounds, at);
       out[3 * i] = total.r;
       out[3 * i + 1] = total.g;
       out[3 * i + 2] = total.b;

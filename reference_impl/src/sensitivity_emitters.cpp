@@ -1,27 +1,26 @@
 // Sensitivity of model reflection_equation: see sensitivity.h.
 #include <algorithm>
 
-#include "direct_light.h"
-#include "moved_light.h"
-#include "phong.h"
+#include "moved_formula.h"
 #include "precision.h"
+#include "ruled_emitters.h"
 #include "sensitivity.h"
 #include "transport.h"
 
 namespace equilux {
 namespace {
 
-// What is known of the point before anything moves.
+// What is known of a lit place before anything moves.
 struct Held {
   const World* world = nullptr;
   const MaterialDescription* material = nullptr;
+  const Formula* formula = nullptr;
   Bands specular;                // K_spec, 0 for lambert
-  bool with_cosine = false;      // phong_cosine
   int object = 0;
-  bool outside = true;
+  bool outside = true;           // N points outward
   Vec3dd position;               // eye-relative
   Vec3d normal, to_viewer;
-  std::vector<char> shines;      // delta lights: in front, in the cone, and visible
+  std::vector<HeldLight> lights;  // delta lights; shadow 0: they do not count
   double nearest_emitter = 0;    // metres
 };
 
@@ -29,31 +28,25 @@ struct Held {
 constexpr double error_target = 1e-6, least_step = 1e-4;
 
 Bands from_delta_light(const Held& at, std::size_t k, const Vec3dd& position, const Vec3d& normal, const Vec3d& to_viewer) {
-  if (!at.shines[k]) return {};
+  if (!at.lights[k].shadow.any()) return {};
   const Light& light = at.world->lights[k];
   const LightDescription& given = light.given;
   Vec3d to_light;
   double share;
   if (!seen_from_moved(light, to_double(light.position - position), to_light, share)) return {};
-  const double cosine = std::max(0.0, dot(normal, to_light));
-  const double mirrored = 2 * dot(normal, to_light) * dot(normal, to_viewer) - dot(to_light, to_viewer);
-  const double lobe = power(mirrored, at.material->exponent) * (at.with_cosine ? cosine : 1);
-  return given.strength * (at.material->diffuse * cosine + at.specular * lobe) * share;
+  const LightShares shares = moved_shares(*at.formula, at.lights[k], normal, to_light, to_viewer, 1);
+  return given.strength * (at.material->diffuse * shares.diffuse + at.specular * shares.specular) * share;
 }
 
 Bands reflected(const Held& at, DirectLight& direct, const Vec3dd& position, const Vec3d& normal, const Vec3d& to_viewer) {
   const World& world = *at.world;
   Bands sum;
   for (std::size_t k = 0; k < world.lights.size(); ++k) sum = sum + from_delta_light(at, k, position, normal, to_viewer);
-  Reflecting here;
-  here.point = {position, normal, at.object, at.outside};
-  here.specular = at.specular.any();
-  if (here.specular) {
-    here.lobe = Lobe(unit(normal * (2 * dot(normal, to_viewer)) - to_viewer), normal, at.material->exponent, at.with_cosine);
-  }
+  const Rules& rules = world.description.rules;
+  const Reflecting here = ruled_reflecting(rules, {position, normal, at.object, at.outside}, to_viewer, *at.material);
   const auto add = [&](int emitter, const Bands& emitted) {
     const Bands diffuse = emitted * at.material->diffuse, specular = emitted * at.specular;
-    const Terms seen = direct.from(emitter, here, {largest(diffuse), largest(specular)}, error_target).value;
+    const Terms seen = ruled_integral(direct, emitter, rules, here, {largest(diffuse), largest(specular)}, error_target).value;
     sum = sum + diffuse * seen.diffuse + specular * seen.specular;
   };
   for (std::size_t k = 0; k < world.description.emitters.size(); ++k) add(static_cast<int>(k), world.description.emitters[k].radiance);
@@ -66,24 +59,22 @@ Bands larger_change(const Bands& base, const Bands& plus, const Bands& minus) {
   return {change(base.r, plus.r, minus.r), change(base.g, plus.g, minus.g), change(base.b, plus.b, minus.b)};
 }
 
-void hold(const World& world, const SurfacePoint& point, ShadowRays& shadows, Held& at) {
+void hold(const World& world, const SurfacePoint& place, const Formula& formula, ShadowRays& shadows, Held& at) {
   at.world = &world;
-  at.material = &material_of(world, point.object);
-  at.specular = at.material->brdf == Brdf::lambert ? Bands{} : at.material->specular;
-  at.with_cosine = at.material->brdf == Brdf::phong_cosine;
-  at.object = point.object;
-  at.outside = point.outside;
-  at.position = point.position;
-  at.normal = to_double(point.normal);
-  at.to_viewer = to_double(point.to_viewer);
+  at.material = &material_of(world, place.object);
+  at.formula = &formula;
+  at.specular = specular_coefficient(*at.material);
+  at.object = place.object;
+  at.outside = normal_is_outward(place);
+  at.position = place.position;
+  at.normal = to_double(place.normal);
+  at.to_viewer = to_double(place.to_viewer);
+  at.lights.resize(world.lights.size());
   for (std::size_t k = 0; k < world.lights.size(); ++k) {
-    const Arriving arriving = arriving_light<true>(world.lights[k], point);
-    at.shines[k] = false;
-    if (!arriving.in_cone || !(cosine_to_light(point, at.normal, arriving) > 0)) continue;
-    const bool at_infinity = world.lights[k].given.kind == LightKind::directional;
-    const Vec3dd direction = at_infinity ? arriving.toward : unit(arriving.toward);
-    const double distance = at_infinity ? std::numeric_limits<double>::infinity() : arriving.distance;
-    at.shines[k] = shadows.shadow(leaving(world, point, direction), distance).share.any();
+    Arriving arriving;
+    HeldLight& held = at.lights[k] = held_light(world.lights[k], place, arriving);
+    const bool counts = held.in_cone && formula.shines(held.in_front, held.behind);
+    if (!counts || !ruled_visibility(shadows, world, world.lights[k], place, arriving)) held.shadow = {};
   }
   at.nearest_emitter = length(to_double(at.position));
   for (const EmitterDescription& emitter : world.description.emitters) {
@@ -109,7 +100,7 @@ Bands change_of(const Held& at, DirectLight& direct, double normal_bound, double
   const auto moved = [&](const Vec3d& step) {
     const Vec3dd position = at.position + exactly(step);
     const Vec3d rounded = to_double(position);
-    const bool follows = at.world->camera.perspective() && largest(rounded) > 0;
+    const bool follows = viewer_follows(*at.world) && largest(rounded) > 0;
     return reflected(at, direct, position, at.normal, follows ? -unit(rounded) : at.to_viewer);
   };
   Bands total;
@@ -124,6 +115,24 @@ Bands change_of(const Held& at, DirectLight& direct, double normal_bound, double
   return total;
 }
 
+Bands change_at(const World& world, SurfacePoint& point, const GeometricBounds& bounds, DirectLight& direct, ShadowRays& shadows, Held& at) {
+  const std::size_t object = static_cast<std::size_t>(point.object);
+  const double normal_bound = bounds.normal[object], position_bound = bounds.position_m[object];
+  const Formula formula(world, material_of(world, point.object));
+  turn_normal(world.description.rules, point);
+  LitPlaces places;
+  find_lit_places(world, point, true, places);
+  const auto change = [&](int j) {
+    hold(world, places.at[j], formula, shadows, at);
+    return change_of(at, direct, normal_bound, position_bound);
+  };
+  const auto radiance = [&](int j) {
+    hold(world, places.at[j], formula, shadows, at);
+    return reflected(at, direct, at.position, at.normal, at.to_viewer);
+  };
+  return change_over_places(world, point, places, position_bound, change, radiance);
+}
+
 }  // namespace
 
 bool sensitivity_emitters(const World& world, const Samples& samples, const GeometricBounds& bounds, double* out, int threads,
@@ -136,15 +145,12 @@ bool sensitivity_emitters(const World& world, const Samples& samples, const Geom
     DirectLight direct(obstacles);
     ShadowRays shadows(world);
     Held at;
-    at.shines.resize(world.lights.size());
     for (std::size_t i = begin; i < end && !stopped(); ++i) {
       double x, y;
       samples.position(i, x, y);
       Bands total;
       if (Exact::find(world, search, x, y, point) && point.object < world.first_emitter()) {
-        const std::size_t object = static_cast<std::size_t>(point.object);
-        hold(world, point, shadows, at);
-        total = change_of(at, direct, bounds.normal[object], bounds.position_m[object]);
+        total = change_at(world, point, bounds, direct, shadows, at);
       }
       out[3 * i] = total.r;
       out[3 * i + 1] = total.g;

@@ -1,6 +1,6 @@
 #include <algorithm>
 
-#include "moved_light.h"
+#include "moved_formula.h"
 #include "path.h"
 #include "precision.h"
 #include "sensitivity.h"
@@ -8,19 +8,11 @@
 namespace equilux {
 namespace {
 
-using Everything = PathFeatures<true, true, true, true, false>;
+template <bool ChangedRules> using Everything = PathFeatures<true, true, true, true, false, ChangedRules>;
 
 constexpr double step_shares[] = {1.0, 1.0 / 8, 1.0 / 64, 1.0 / 512, 1.0 / 4096};
 
 Bands operator-(const Bands& a, const Bands& b) { return {a.r - b.r, a.g - b.g, a.b - b.b}; }
-Bands magnitude(const Bands& a) { return {std::fabs(a.r), std::fabs(a.g), std::fabs(a.b)}; }
-Bands larger(const Bands& a, const Bands& b) { return {std::max(a.r, b.r), std::max(a.g, b.g), std::max(a.b, b.b)}; }
-
-// What a light does at the unmoved point, to be held.
-struct HeldLight {
-  bool in_front = false, in_cone = false;
-  Bands shadow{1, 1, 1};
-};
 
 // A secondary ray's radiance and signature.
 struct Found {
@@ -34,9 +26,14 @@ struct Hit {
   const MaterialDescription* material = nullptr;
   Bands weight;
   int used = 0;
-  std::vector<HeldLight> lights;
+  Journey journey;
+  LitPlaces places;                        // where the local terms come from
+  std::vector<HeldLight> lights;           // place by place
+  double ratio = 1;                        // of the index behind N to that in front
   Onward onward;
   Found found[2];
+
+  Visit visit(const SurfacePoint& at) const { return {at, *material, weight, used, Branch::none, 0, {}, journey}; }
 };
 
 struct Step {
@@ -44,25 +41,27 @@ struct Step {
 };
 
 // One thread's search through the hits of a sample.
-class Steps {
+template <class F> class Steps {
  public:
   Steps(const World& world, const GeometricBounds& bounds, const Stopped& stopped)
       : world_(world), bounds_(bounds), stopped_(stopped), tracing_(world, nothing_), traversal_(world) {}
 
   // False: stopped.
-  bool total_of(const SurfacePoint& first, Bands& total);
+  bool total_of(const FilmRay& ray, SurfacePoint& first, Bands& total);
 
  private:
   bool visit(Hit& hit, Bands& total);
   void hold(Hit& hit);
   // displaced_m: how far a step has moved the point off its surface.
-  Found follow(const SurfacePoint& point, const Vec3dd& direction, int used, double displaced_m);
-  Bands local(const Hit& hit, const SurfacePoint& point) const;
-  Bands from_light(const Hit& hit, std::size_t k, const Vec3d& position, const Vec3d& normal, const Vec3d& to_viewer) const;
-  SurfacePoint stepped(const Hit& hit, const Step& step) const;
-  Bands change(const Hit& hit, const Step& step);
+  Found follow(const Hit& hit, const SurfacePoint& point, const Onward::Ray& ray, double displaced_m);
+  // The local terms of place j, with all that is held there.
+  Bands local(const Hit& hit, int j, const SurfacePoint& place) const;
+  Bands from_light(const Hit& hit, int j, std::size_t k, const SurfacePoint& place) const;
+  SurfacePoint stepped(const Hit& hit, SurfacePoint point, const Step& step) const;
+  Bands local_change(const Hit& hit, int j, const Step& step) const;
+  Bands onward_change(const Hit& hit, const Step& step);
   bool branch_change(const Hit& hit, int branch, const Step& step, double share, Bands& result);
-  Bands larger_change(const Hit& hit, const Step& step);
+  template <class Change> Bands over_steps(const Vec3d& normal, double normal_step, double position_step, const Change& change);
 
   const World& world_;
   const GeometricBounds& bounds_;
@@ -76,79 +75,73 @@ class Steps {
     Ray ray;
     Bands weight;
     int used;
+    Journey journey;
   };
   std::vector<Waiting> waiting_;
 };
 
 // --- the local terms ----------------------------------------------------------------------------------------------------
 
-Vec3d bent(const Vec3d& d, const Vec3d& normal, double ratio) {
-  const double c = dot(normal, d), rest = 1 - ratio * ratio * (1 - c * c);
-  if (rest < 0) return {};
-  return d * ratio + normal * ((c < 0 ? -1 : 1) * std::sqrt(rest) - ratio * c);
-}
-
-Bands Steps::from_light(const Hit& hit, std::size_t k, const Vec3d& position, const Vec3d& normal, const Vec3d& to_viewer) const {
-  const HeldLight& held = hit.lights[k];
+template <class F> Bands Steps<F>::from_light(const Hit& hit, int j, std::size_t k, const SurfacePoint& place) const {
+  const HeldLight& held = hit.lights[static_cast<std::size_t>(j) * world_.lights.size() + k];
   if (!held.in_cone) return {};
   const Light& light = world_.lights[k];
-  const LightDescription& given = light.given;
-  const MaterialDescription& material = *hit.material;
   Vec3d to_light;
   double share;
-  if (!seen_from_moved(light, to_double(light.position) - position, to_light, share)) return {};
-  const double cosine = dot(normal, to_light), t = material.transparency;
-  Bands reflected = material.diffuse * (cosine > 0 ? (1 - t) * cosine : -t * cosine);
-  if (material.specular.any()) {
-    const double ratio = index_behind(hit.point, material) / index_in_front(hit.point, material);
-    const Vec3d lobe = held.in_front ? normal * (2 * cosine) - to_light : bent(-to_light, normal, ratio);
-    reflected = reflected + material.specular * ((held.in_front ? 1 - t : t) * power(dot(lobe, to_viewer), material.exponent));
-  }
-  return given.strength * held.shadow * reflected * share;
+  if (!seen_from_moved(light, to_double(light.position) - to_double(place.position), to_light, share)) return {};
+  const Formula formula(world_, *hit.material);
+  const LightShares shares = moved_shares(formula, held, to_double(place.normal), to_light, to_double(place.to_viewer), hit.ratio);
+  const Bands reflected = hit.material->diffuse * shares.diffuse + hit.material->specular * shares.specular;
+  return light.given.strength * held.shadow * reflected * share;
 }
 
-Bands Steps::local(const Hit& hit, const SurfacePoint& point) const {
+template <class F> Bands Steps<F>::local(const Hit& hit, int j, const SurfacePoint& place) const {
   Bands sum;
-  for (std::size_t k = 0; k < world_.lights.size(); ++k) {
-    sum = sum + from_light(hit, k, to_double(point.position), to_double(point.normal), to_double(point.to_viewer));
-  }
+  for (std::size_t k = 0; k < world_.lights.size(); ++k) sum = sum + from_light(hit, j, k, place);
   return sum;
 }
 
 // --- what is held -------------------------------------------------------------------------------------------------------
 
-Found Steps::follow(const SurfacePoint& point, const Vec3dd& direction, int used, double displaced_m) {
-  Ray ray = leaving(world_, point, direction);
+template <class F> Found Steps<F>::follow(const Hit& hit, const SurfacePoint& point, const Onward::Ray& onward, double displaced_m) {
+  Ray ray = leaving(world_, point, onward.direction);
   if (displaced_m > 0) {
     ray.from.displaced = true;
-    ray.from.start += 2 * displaced_m / std::max(0.05, across_surface(point, to_double(direction)));
+    ray.from.start += 2 * displaced_m / std::max(0.05, across_surface(point, to_double(onward.direction)));
   }
   tracing_.begin();
-  tracing_.pending.push_back({ray, {1, 1, 1}, used, Branch::none, {}, {}});
-  complete_ &= follow_all<Everything>(tracing_, 0, stopped_);
+  Journey journey;
+  if constexpr (F::ruled) journey = journey_beyond(world_, tracing_.media, hit.visit(point), onward);
+  // Weight 1, so that its radiance is what it brings; what a rule cuts off by weight is cut by that of the whole path.
+  tracing_.path_weight = hit.weight * onward.weight;
+  tracing_.pending.push_back({ray, {1, 1, 1}, hit.used + 1, Branch::none, {}, journey});
+  complete_ &= follow_all<F>(tracing_, 0, stopped_);
   return {tracing_.radiance, tracing_.signature.value()};
 }
 
-void Steps::hold(Hit& hit) {
-  const Vec3d normal = to_double(hit.point.normal);
-  const double t = hit.material->transparency;
-  hit.lights.assign(world_.lights.size(), {});
-  for (std::size_t k = 0; k < world_.lights.size(); ++k) {
-    const Arriving arriving = arriving_light<true>(world_.lights[k], hit.point);
-    const double cosine = cosine_to_light(hit.point, normal, arriving);
-    HeldLight& held = hit.lights[k];
-    held.in_front = cosine > 0;
-    held.in_cone = arriving.in_cone;
-    const bool counts = cosine > 0 ? t < 1 : cosine < 0 && t > 0;
-    if (counts && arriving.in_cone) held.shadow = shadow_of(tracing_, world_.lights[k], hit.point, arriving).share;
+template <class F> void Steps<F>::hold(Hit& hit) {
+  find_lit_places(world_, hit.point, hit.used == 0, hit.places);
+  const Formula formula(world_, *hit.material);
+  const Indices indices = ruled_indices_at(tracing_, hit.visit(hit.point));
+  const bool seen_in_front = normal_is_outward(hit.point) == hit.point.outside;
+  hit.ratio = seen_in_front ? indices.beyond / indices.here : indices.here / indices.beyond;
+  const std::size_t lights = world_.lights.size();
+  hit.lights.assign(lights * static_cast<std::size_t>(hit.places.count), {});
+  for (int j = 0; j < hit.places.count; ++j) {
+    const SurfacePoint& place = hit.places.at[j];
+    for (std::size_t k = 0; k < lights; ++k) {
+      Arriving arriving;
+      HeldLight& held = hit.lights[static_cast<std::size_t>(j) * lights + k] = held_light(world_.lights[k], place, arriving);
+      const bool counts = held.in_cone && formula.shines(held.in_front, held.behind);
+      if (counts) held.shadow = ruled_shadow_of(tracing_, world_.lights[k], place, arriving).share;
+    }
   }
-  for (int i = 0; i < hit.onward.count; ++i) hit.found[i] = follow(hit.point, hit.onward.rays[i].direction, hit.used + 1, 0);
+  for (int i = 0; i < hit.onward.count; ++i) hit.found[i] = follow(hit, hit.point, hit.onward.rays[i], 0);
 }
 
 // --- steps --------------------------------------------------------------------------------------------------------------
 
-SurfacePoint Steps::stepped(const Hit& hit, const Step& step) const {
-  SurfacePoint point = hit.point;
+template <class F> SurfacePoint Steps<F>::stepped(const Hit& hit, SurfacePoint point, const Step& step) const {
   if (largest(step.normal) > 0) point.normal = direction_of(point.normal + exactly(step.normal));
   if (largest(step.position) > 0) {
     point.position = point.position + exactly(step.position);
@@ -157,20 +150,31 @@ SurfacePoint Steps::stepped(const Hit& hit, const Step& step) const {
   return point;
 }
 
+template <class F> Bands Steps<F>::local_change(const Hit& hit, int j, const Step& step) const {
+  SurfacePoint place = stepped(hit, hit.places.at[j], step);
+  if constexpr (F::ruled) {
+    // V of the highlights, where it is not that of the path.
+    const Viewer viewer = world_.description.rules.viewer;
+    if (viewer == Viewer::fixed || (viewer == Viewer::from_eye && largest(step.position) > 0)) place.to_viewer = ruled_viewer(world_, place);
+  }
+  return local(hit, j, place) - local(hit, j, hit.places.at[j]);
+}
+
 // False: the ray's path is another one.
-bool Steps::branch_change(const Hit& hit, int branch, const Step& step, double share, Bands& result) {
+template <class F> bool Steps<F>::branch_change(const Hit& hit, int branch, const Step& step, double share, Bands& result) {
   const Step part{step.normal * share, step.position * share};
-  const SurfacePoint point = stepped(hit, part);
-  const Onward onward = onward_of_model<Everything>(point, *hit.material);
+  const SurfacePoint point = stepped(hit, hit.point, part);
+  Onward onward = onward_from<F>(tracing_, hit.visit(point));
+  if constexpr (F::ruled) cut_by_weight(world_.description.rules, hit.weight, onward);
   if (onward.total != hit.onward.total || onward.count != hit.onward.count) return false;
-  const Found found = follow(point, onward.rays[branch].direction, hit.used + 1, length(part.position));
+  const Found found = follow(hit, point, onward.rays[branch], length(part.position));
   if (found.signature != hit.found[branch].signature) return false;
   result = onward.rays[branch].weight * (found.radiance - hit.found[branch].radiance) * (1 / share);
   return true;
 }
 
-Bands Steps::change(const Hit& hit, const Step& step) {
-  Bands sum = local(hit, stepped(hit, step)) - local(hit, hit.point);
+template <class F> Bands Steps<F>::onward_change(const Hit& hit, const Step& step) {
+  Bands sum;
   for (int branch = 0; branch < hit.onward.count; ++branch) {
     Bands moved;
     for (const double share : step_shares) {
@@ -183,38 +187,65 @@ Bands Steps::change(const Hit& hit, const Step& step) {
   return sum;
 }
 
-Bands Steps::larger_change(const Hit& hit, const Step& step) {
-  const Step back{-step.normal, -step.position};
-  return larger(magnitude(change(hit, step)), magnitude(change(hit, back)));
+template <class F>
+template <class Change>
+Bands Steps<F>::over_steps(const Vec3d& normal, double normal_step, double position_step, const Change& change) {
+  Vec3d tangent[2];
+  complete_frame(normal, tangent[0], tangent[1]);
+  const auto larger_change = [&](const Step& step) {
+    const Step back{-step.normal, -step.position};
+    return larger(magnitude(change(step)), magnitude(change(back)));
+  };
+  Bands sum;
+  for (const Vec3d& t : tangent) {
+    if (normal_step > 0) sum = sum + larger_change({t * normal_step, {}});
+  }
+  for (const Vec3d& u : {tangent[0], tangent[1], normal}) {
+    if (position_step > 0) sum = sum + larger_change({{}, u * position_step});
+  }
+  return sum;
 }
 
-bool Steps::visit(Hit& hit, Bands& total) {
+template <class F> bool Steps<F>::visit(Hit& hit, Bands& total) {
   const std::size_t object = static_cast<std::size_t>(hit.point.object);
   const double normal_step = bounds_.normal[object], position_step = bounds_.position_m[object];
-  if (hit.used < world_.description.recursion_limit) hit.onward = onward_of_model<Everything>(hit.point, *hit.material);
+  if (!at_the_limit<F>(tracing_, hit.visit(hit.point))) {
+    hit.onward = onward_from<F>(tracing_, hit.visit(hit.point));
+    if constexpr (F::ruled) cut_by_weight(world_.description.rules, hit.weight, hit.onward);
+  }
   if (normal_step > 0 || position_step > 0) {
     hold(hit);
     const Vec3d normal = to_double(hit.point.normal);
-    Vec3d tangent[2];
-    complete_frame(normal, tangent[0], tangent[1]);
-    Bands sum;
-    for (const Vec3d& t : tangent) {
-      if (normal_step > 0) sum = sum + larger_change(hit, {t * normal_step, {}});
+    const auto all = [&](const Step& step) { return local_change(hit, 0, step) + onward_change(hit, step); };
+    const auto onward = [&](const Step& step) { return onward_change(hit, step); };
+    if (hit.places.count == 1) {
+      total = total + hit.weight * over_steps(normal, normal_step, position_step, all);
+    } else {  // the places' own errors and that of the point are different ones
+      const auto change = [&](int j) {
+        const auto at_place = [&](const Step& step) { return local_change(hit, j, step); };
+        return over_steps(to_double(hit.places.at[j].normal), normal_step, position_step, at_place);
+      };
+      const auto radiance = [&](int j) { return local(hit, j, hit.places.at[j]); };
+      const Bands sum = change_over_places(world_, hit.point, hit.places, position_step, change, radiance) +
+                        over_steps(normal, normal_step, position_step, onward);
+      total = total + hit.weight * sum;
     }
-    for (const Vec3d& u : {tangent[0], tangent[1], normal}) {
-      if (position_step > 0) sum = sum + larger_change(hit, {{}, u * position_step});
-    }
-    total = total + hit.weight * sum;
   }
   for (int i = 0; i < hit.onward.count; ++i) {
     const Bands weight = hit.weight * hit.onward.rays[i].weight;
-    if (weight.any()) waiting_.push_back({leaving(world_, hit.point, hit.onward.rays[i].direction), weight, hit.used + 1});
+    Journey journey;
+    if constexpr (F::ruled) journey = journey_beyond(world_, tracing_.media, hit.visit(hit.point), hit.onward.rays[i]);
+    if (weight.any()) waiting_.push_back({leaving(world_, hit.point, hit.onward.rays[i].direction), weight, hit.used + 1, journey});
   }
   return complete_;
 }
 
-bool Steps::total_of(const SurfacePoint& first, Bands& total) {
-  Hit hit{first, &material_of(world_, first.object), {1, 1, 1}, 0, {}, {}, {}};
+template <class F> bool Steps<F>::total_of(const FilmRay& ray, SurfacePoint& first, Bands& total) {
+  Hit hit;
+  if constexpr (F::ruled) hit.journey = first_journey(tracing_, ray, first);
+  hit.point = first;
+  hit.material = &material_of(world_, first.object);
+  hit.weight = {1, 1, 1};
   waiting_.clear();
   if (!visit(hit, total)) return false;
   while (!waiting_.empty()) {
@@ -224,13 +255,35 @@ bool Steps::total_of(const SurfacePoint& first, Bands& total) {
     Candidate found;
     if (!traversal_.nearest(next.ray, found)) continue;
     hit.point = surface_point(world_, next.ray, found);
+    if constexpr (F::ruled) turn_normal(world_.description.rules, hit.point);
     hit.material = &material_of(world_, hit.point.object);
     hit.weight = next.weight;
     hit.used = next.used;
+    hit.journey = next.journey;
     hit.onward = {};
     if (!visit(hit, total)) return false;
   }
   return true;
+}
+
+template <class F>
+bool run(const World& world, const Samples& samples, const GeometricBounds& bounds, double* out, int threads, const Cancel* cancel,
+         const Interrupted& interrupted) {
+  return for_each_chunk(samples.count, threads, cancel, interrupted, [&](std::size_t begin, std::size_t end, const Stopped& stopped) {
+    Search search;
+    search.world = &world;
+    SurfacePoint point;
+    Steps<F> steps(world, bounds, stopped);
+    for (std::size_t i = begin; i < end; ++i) {
+      double x, y;
+      samples.position(i, x, y);
+      Bands total;
+      if (Exact::find(world, search, x, y, point) && !steps.total_of(search.film_ray, point, total)) return;
+      out[3 * i] = total.r;
+      out[3 * i + 1] = total.g;
+      out[3 * i + 2] = total.b;
+    }
+  });
 }
 
 }  // namespace
@@ -244,21 +297,8 @@ bool sensitivity_raytraced(const World& world, const Samples& samples, const Geo
     std::fill_n(out, 3 * samples.count, 0.0);
     return true;
   }
-  return for_each_chunk(samples.count, threads, cancel, interrupted, [&](std::size_t begin, std::size_t end, const Stopped& stopped) {
-    Search search;
-    search.world = &world;
-    SurfacePoint point;
-    Steps steps(world, bounds, stopped);
-    for (std::size_t i = begin; i < end; ++i) {
-      double x, y;
-      samples.position(i, x, y);
-      Bands total;
-      if (Exact::find(world, search, x, y, point) && !steps.total_of(point, total)) return;
-      out[3 * i] = total.r;
-      out[3 * i + 1] = total.g;
-      out[3 * i + 2] = total.b;
-    }
-  });
+  const auto run_with = world.description.rules.changed() ? run<Everything<true>> : run<Everything<false>>;
+  return run_with(world, samples, bounds, out, threads, cancel, interrupted);
 }
 
 }  // namespace equilux
