@@ -20,6 +20,7 @@ VERDICT_WORDS = {
     "improved": "an expectation of the scene no longer holds",
     "not_comparable": "cannot be compared",
 }
+REASON_WIDTH = 120
 
 
 @dataclass(frozen=True)
@@ -157,9 +158,14 @@ def pixel_lines(pair: PairRecord, facts: PixelFacts) -> list[str]:
         lines.append("  B is the sum of:")
     for part in facts.parts:
         amount = short(part.amount[band])
-        reason = f": {part.reason}" if part.reason else ""
+        reason = f": {_cut(part.reason)}" if part.reason else ""
         lines.append(f"    {amount:>9}  {part.adapter}: {part.term} ({part.kind}){reason}")
     return lines
+
+
+def _cut(reason: str) -> str:
+    """The beginning of a derivation; all of it is in render.json and in --json."""
+    return reason if len(reason) <= REASON_WIDTH else reason[: REASON_WIDTH - 1].rstrip() + "…"
 
 
 def short_or_infinite(value: float) -> str:

@@ -11,11 +11,11 @@ from equilux.results import CaseRecord, PairRecord, Standing
 from equilux.trust import TRUTHS, truth_among
 
 FINDING_WORDS = {
-    "as-modelled": "as the scene's model says",
-    "model-difference": "a model difference: it departs from the scene's model, exactly as it declares",
-    "implementation-bug": "an implementation bug: it departs from what it declares, by rules of the renderer's own",
-    "translation-bug": "a translation bug: the renderer was probably asked the wrong question",
-    "unexplained": "unexplained: it departs, and no named cause accounts for it",
+    "as-modelled": ("as modelled", "it does what the scene's model says"),
+    "model-difference": ("a model difference", "it departs from the scene's model, exactly as it declares"),
+    "implementation-bug": ("an implementation bug", "it departs from what it declares, by rules of the renderer's own"),
+    "translation-bug": ("a translation bug", "the renderer was probably asked the wrong question"),
+    "unexplained": ("unexplained", "it departs, and no named cause accounts for it"),
 }
 
 
@@ -43,12 +43,12 @@ def three_ways(standing: Standing, truth: str | None) -> list[str]:
         )
         if names
     ]
-    reason = f" ({standing.reason})" if standing.reason else ""
+    finding, meaning = FINDING_WORDS[standing.finding]
     return [
         f"against {name}: {against[standing.truth]}",
         f"against its declared dialect: {dialect[standing.dialect]}",
         f"against its peers: {', '.join(peers) or 'none was compared'}",
-        f"finding: {FINDING_WORDS[standing.finding]}{reason}",
+        f"finding: {finding}: {standing.reason or meaning}",
     ]
 
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 
 from equilux.diagnose.diagnosis import Found
 from equilux.explain.causes import UNEXPLAINED, name_of
-from equilux.explain.numbers import counted, listed, share, some
+from equilux.explain.numbers import counted, listed, parameter, share, some
 from equilux.pinning.edit import Changes, Pin
 from equilux.pinning.when import shortest_when
 from equilux.results import CaseRecord, PairRecord
@@ -89,7 +89,7 @@ def _cannot_be_pinned(pair: PairRecord) -> str | None:
     if pair.a in TRUTHS:
         return "two truths disagree; one of them is wrong, and no scene should expect that"
     if pair.invalid:
-        return f"{counted(pair.invalid, 'pixel')} that are no radiance: no cause stands for those"
+        return f"{counted(pair.invalid, 'pixel')} without a radiance: no cause stands for that"
     left = [cause for cause in pair.causes if cause.id == UNEXPLAINED]
     proven = _proven(pair)
     if left or not proven:
@@ -227,6 +227,7 @@ def _reason(cause: str, found: Mapping[str, Found]) -> str:
     """The comment beside a new expectation: CONTRIBUTING wants a reason there."""
     first = max(found.values(), key=lambda each: each.explained or 0.0)
     words = (first.words if first.id == cause else "") or CAUSES.get(cause, "") or name_of(first)
-    words = words[:1].upper() + words[1:].rstrip(".")
-    part = f" {share(first.explained)}" if first.explained is not None else ""
-    return f"{words} (found by a run: {name_of(first)}{', explains' + part if part else ''})"
+    value = parameter(first.parameter)
+    known = "" if not value or value in words else f" [{value}]"
+    part = f", explains {share(first.explained)}" if first.explained is not None else ""
+    return f"{words[:1].upper()}{words[1:].rstrip('.')}{known} (found by a run{part})"
