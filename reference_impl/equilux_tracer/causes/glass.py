@@ -8,9 +8,21 @@ from typing import Any, ClassVar
 
 from equilux_scenes.case import Case
 from equilux_scenes.model import Material, Scene
-from equilux_tracer.causes.rewrite import BLACK, CheckedRule, is_lit, is_see_through, with_materials
+from equilux_tracer.causes.rewrite import (
+    BLACK,
+    WHITE,
+    CheckedRule,
+    is_lit,
+    is_see_through,
+    used_materials,
+    with_materials,
+    with_scene,
+)
 from equilux_tracer.causes.rule import Applied
 from equilux_tracer.shading_rules import ShadingRules
+
+BARELY = 1e-30
+"""A transparency that shows nothing of what is behind, and still is none of an opaque object where shadows are concerned."""
 
 
 class RefractionMissing(CheckedRule):
@@ -22,9 +34,12 @@ class RefractionMissing(CheckedRule):
     formula = ("t k_trans L_trans, L_trans along the refracted ray", "0, or L_trans straight on, or the surface is opaque")
     readings: ClassVar[Mapping[str, str]] = {
         "": "k_trans = 0: black is seen through it, and it casts a full shadow under attenuate",
-        "black, shadows by t": "nothing is seen through it; shadows are attenuated by t",
+        "black, shadows by t": "black is seen through it; its shadow lets t through",
+        "black, shadows kept": "black is seen through it, its shadow is right: no ray is followed; tried where nothing mirrors",
         "opaque": "t = 0: the surface's own terms in full, and a full shadow",
-        "opaque, 1 − t of its own": "t = 0, with K_diff, K_spec and k_refl times 1 − t (VTK Q17)",
+        "opaque, shadows kept": "L_1 in place of (1 − t) L_1 + t L_2, and its shadow is right",
+        "opaque, 1 − t of its own": "(1 − t) L_1 alone, and a full shadow (VTK Q17)",
+        "opaque, 1 − t of its own, shadows kept": "(1 − t) L_1 alone, and its shadow is right",
         "not bent": "ior = 1: straight on, and no total reflection",
     }
 
@@ -32,30 +47,48 @@ class RefractionMissing(CheckedRule):
         return is_see_through(scene)
 
     def values(self, case: Case, reading: str) -> Sequence[None]:
-        shadowed = case.scene.transparent_shadows == "attenuate" and is_lit(case.scene)
-        return () if reading == "black, shadows by t" and not shadowed else (None,)
+        lit = is_lit(case.scene)
+        attenuates = case.scene.transparent_shadows == "attenuate" and lit
+        mirrors = any(any(material.reflection) and material.transparency < 1 for material in used_materials(case.scene))
+        possible = {"black, shadows by t": attenuates, "black, shadows kept": attenuates and not mirrors}
+        return (None,) if possible.get(reading, lit or not reading.endswith("kept")) else ()
 
     def change_case(self, case: Case, applied: Applied) -> Case:
-        return with_materials(
+        if applied.reading == "black, shadows kept":
+            return with_scene(case, recursion_limit=0)
+        changed = with_materials(
             case, lambda material: _seen_through(material, applied.reading) if material.transparency > 0 else {}
         )
+        if applied.reading.startswith("opaque") and applied.reading.endswith("kept"):
+            return with_materials(changed, lambda material: _shadow_of(material, case.scene) if material.transparency > 0 else {})
+        return changed
 
     def change_shading(self, rules: ShadingRules, applied: Applied) -> ShadingRules:
-        return dataclasses.replace(rules, transparent_shadow="t-only") if applied.reading == "black, shadows by t" else rules
+        match applied.reading:
+            case "black, shadows by t":
+                return dataclasses.replace(rules, transparent_shadow="t-only")
+            case "opaque, shadows kept" | "opaque, 1 − t of its own, shadows kept":
+                return dataclasses.replace(rules, transparent_shadow="k-only")
+            case _:
+                return rules
 
 
 def _seen_through(material: Material, reading: str) -> dict[str, Any]:
-    match reading:
-        case "not bent":
-            return {"ior": 1.0}
-        case "opaque":
-            return {"transparency": 0.0, "ior": 1.0}
-        case "opaque, 1 − t of its own":
-            own = 1 - material.transparency
-            kept = {name: tuple(own * band for band in getattr(material, name)) for name in ("diffuse", "specular", "reflection")}
-            return {"transparency": 0.0, "ior": 1.0, **kept}
-        case _:
-            return {"transmission": BLACK}
+    if reading == "not bent":
+        return {"ior": 1.0}
+    if not reading.startswith("opaque"):
+        return {"transmission": BLACK}
+    own = 1 - material.transparency if "1 − t" in reading else 1.0
+    kept = {name: tuple(own * band for band in getattr(material, name)) for name in ("diffuse", "specular", "reflection")}
+    if not reading.endswith("kept"):
+        return {"transparency": 0.0, "ior": 1.0, **kept}
+    through = tuple(material.transparency * band for band in material.transmission)
+    return {"transparency": BARELY, "ior": 1.0, "transmission": through, **kept}
+
+
+def _shadow_of(material: Material, scene: Scene) -> dict[str, Any]:
+    """Under the rule k-only: k_trans of a surface that `_seen_through` made is what its shadow lets through, all under ignore."""
+    return {} if scene.transparent_shadows == "attenuate" else {"transmission": WHITE}
 
 
 class TransparencyWeightIgnored(CheckedRule):

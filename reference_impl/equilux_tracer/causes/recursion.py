@@ -11,7 +11,8 @@ import numpy as np
 from equilux_scenes.case import Case
 from equilux_scenes.model import Scene
 from equilux_tracer.causes.rewrite import CheckedRule, is_see_through, used_materials, with_scene
-from equilux_tracer.causes.rule import Applied, Continuous, Discrete, Evidence, Parameter
+from equilux_tracer.causes.rule import Applied, Continuous, Discrete, Evidence, Floats, Parameter
+from equilux_tracer.causes.seen import weight_at_depth
 from equilux_tracer.shading_rules import ShadingRules
 
 MOST_DEPTHS = 16
@@ -38,6 +39,7 @@ class RecursionCut(CheckedRule):
     readings: ClassVar[Mapping[str, str]] = {
         "": "at most n rays in succession",
         "beyond the limit": "n rays in succession, more than the scene's limit: the limit is counted from another ray on",
+        "then background": "at most n rays in succession; the next one shows the background wherever it goes, not 0",
     }
     parameter = Discrete("n")
     suspects = "translation"
@@ -47,14 +49,26 @@ class RecursionCut(CheckedRule):
 
     def values(self, case: Case, reading: str) -> Sequence[Parameter]:
         limit = case.scene.recursion_limit
-        if reading:
+        if reading == "beyond the limit":
             return (limit + 1, limit + 2)
+        if reading:
+            return sorted({limit, max(limit - 1, 0)}) if any(case.scene.background) else ()
         depths = {*range(MOST_DEPTHS), limit - 1, limit - 2, limit // 2, *KNOWN_DEPTHS}
         return sorted(n for n in depths if 0 <= n < limit)
 
     def change_case(self, case: Case, applied: Applied) -> Case:
         n, limit = int(applied.parameter), case.scene.recursion_limit  # type: ignore[arg-type]
-        return with_scene(case, recursion_limit=max(n, limit) if applied.reading else min(n, limit))
+        return with_scene(case, recursion_limit=max(n, limit) if applied.reading == "beyond the limit" else min(n, limit))
+
+    def changes_picture(self, applied: Applied) -> bool:
+        return applied.reading == "then background"
+
+    def change_radiance(self, radiance: Floats, film_xy: Floats, case: Case, applied: Applied) -> Floats:
+        if applied.reading != "then background":
+            return radiance
+        n = min(int(applied.parameter), case.scene.recursion_limit)  # type: ignore[arg-type]
+        beyond: Floats = weight_at_depth(case, n + 1, film_xy) * np.array(case.scene.background)
+        return radiance + beyond
 
 
 class WeightCut(CheckedRule):

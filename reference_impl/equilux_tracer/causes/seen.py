@@ -9,7 +9,7 @@ import numpy as np
 from equilux_scenes.case import Case
 from equilux_scenes.model import AreaEmitter, Emitter, PointLight, SphereEmitter, SpotLight
 from equilux_scenes.units import OTHER_THAN_BANDS
-from equilux_tracer.causes.rewrite import BLACK, with_lights, with_materials, with_scene
+from equilux_tracer.causes.rewrite import BLACK, WHITE, with_lights, with_materials, with_scene
 from equilux_tracer.causes.rule import Floats
 from equilux_tracer.tracer import Tracer
 
@@ -31,6 +31,17 @@ def background_seen(case: Case, film_xy: Floats) -> Floats:
     else:
         only = with_scene(black, lights={}, model="phong")
     return np.asarray(Tracer(only).evaluate(film_xy)["radiance"], np.float64)
+
+
+def weight_at_depth(case: Case, depth: int, film_xy: Floats) -> Floats:
+    """(n, 3): of all rays that are the depth-th mirrored or refracted one in succession, the weights in the pixel summed up."""
+    glowing = with_materials(case, lambda _: {"diffuse": BLACK, "specular": BLACK, "ambient": BLACK, "emission": WHITE})
+    glowing = with_scene(glowing, lights={}, background=WHITE)
+    up_to, before = (
+        np.asarray(Tracer(with_scene(glowing, recursion_limit=limit)).evaluate(film_xy)["radiance"], np.float64)
+        for limit in (depth, depth - 1)
+    )
+    return np.maximum(up_to - before, 0)
 
 
 def _without_delta_lights(case: Case) -> Case:

@@ -241,8 +241,45 @@ def test_another_background_is_read_off_the_picture():
     ), "rays that miss agree"
 
 
+def test_beyond_the_cut_the_background_may_show():
+    shown = {n: seen(between_mirrors(), "recursion-cut", n, "then background") for n in (3, 12)}
+    assert shown[3] == sum(0.5**n for n in range(4)), "it is black"
+    bright = scene(plane([0, 0, 0], [0, 0, 1], "m"), plane([0, 0, 4], [0, 0, -1], "m"), eye=[0, 0, 2], target=[0.3, 0, 0],
+                   materials={"m": {"emission": 1.0, "reflection": 0.5}}, background=8.0, recursion_limit=12)  # fmt: skip
+    assert seen(case_of(bright), "recursion-cut", 3, "then background") == sum(0.5**n for n in range(4)) + 8 * 0.5**4
+    assert (12, "then background") in tried(case_of(bright), "recursion-cut")
+
+
+def test_glass_through_which_no_ray_is_followed_casts_its_shadow_all_the_same():
+    dull = {name: {"reflection": 0} for name in ("glass", "mirror", "floor")}
+    case = by_hand(**dull)
+    got, glass = with_cause(case, "refraction-missing", None, "black, shadows kept"), directly_seen(case, 1)
+    assert_same(got[~glass], picture(case)[~glass])
+    assert_same(got[glass], (picture(case) - Tracer(case).render(["transmitted"])["transmitted"])[glass])
+    assert "black, shadows kept" not in {reading for _, reading in tried(CASE, "refraction-missing")}
+
+
+@pytest.mark.parametrize("shadows", ["attenuate", "ignore"])
+@pytest.mark.parametrize(("reading", "own"), [("opaque, shadows kept", 1.0), ("opaque, 1 − t of its own, shadows kept", 0.4)])
+def test_glass_that_is_opaque_to_the_eye_alone_casts_its_own_shadow(reading, own, shadows):
+    dull = {name: {"reflection": 0} for name in ("glass", "mirror", "floor")}
+    case = by_hand(**dull, transparent_shadows=shadows)
+    got, glass = with_cause(case, "refraction-missing", None, reading), directly_seen(case, 1)
+    assert_same(got[~glass], picture(case)[~glass])
+    # Of the ball itself L_1 is left; no light is in front of it that something stands before.
+    seen_terms = Tracer(case).render(["diffuse", "specular", "normal", "position"])
+    toward = [np.array([1.5, 3, 2]) - np.nan_to_num(seen_terms["position"]), np.broadcast_to([-1, 0.8, 0.6], got.shape)]
+    front = sum(
+        np.where(((seen_terms["normal"] * to_light).sum(axis=-1) > 0)[..., None], seen_terms[name][:, :, k], 0)
+        for k, to_light in enumerate(toward)
+        for name in ("diffuse", "specular")
+    )
+    assert_same(got[glass], front[glass] / 0.4 * own)
+
+
 def test_every_smaller_recursion_limit_is_tried_and_those_just_beyond():
-    assert tried(CASE, "recursion-cut") == [*((n, "") for n in range(5)), (6, "beyond the limit"), (7, "beyond the limit")]
+    others = [(6, "beyond the limit"), (7, "beyond the limit"), (4, "then background"), (5, "then background")]
+    assert tried(CASE, "recursion-cut") == [*((n, "") for n in range(5)), *others]
     deep = [n for n, reading in tried(by_hand(recursion_limit=200), "recursion-cut") if not reading]
     assert {0, 5, 99, 100, 128, 198, 199} - set(deep) == {99}
     assert len(deep) < 30
