@@ -32,11 +32,12 @@ GATE_ROUNDINGS = 2 * DIRECTION_ROUNDINGS + COSINE_ROUNDINGS
 
 class Lighting(NamedTuple):
     """All that lights a corner; positions relative to the eye, world axes. forward: V = −forward everywhere, or None: V goes to
-    the eye point."""
+    the eye point. by_mesa: with Mesa's (N·L)^(N·L) where the exponent is 0 and the light falls off (Q10)."""
 
     lights: Sequence[Light]
     ambient: Floats
     forward: Floats | None
+    by_mesa: bool = False
 
 
 class Lit(NamedTuple):
@@ -56,12 +57,12 @@ def lit(points: Floats, normals: Floats, surface: Surface, lighting: Lighting) -
     total = Lit(np.broadcast_to(flat, points.shape), np.zeros_like(points), np.zeros_like(points))
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         for light in lighting.lights:
-            one = _of_one(light, points, normals, to_viewer, surface)
+            one = _of_one(light, points, normals, to_viewer, surface, lighting.by_mesa)
             total = Lit(*(a + b for a, b in zip(total, one, strict=True)))
     return total
 
 
-def _of_one(light: Light, points: Floats, normals: Floats, to_viewer: Floats, surface: Surface) -> Lit:
+def _of_one(light: Light, points: Floats, normals: Floats, to_viewer: Floats, surface: Surface, by_mesa: bool) -> Lit:
     arriving = _arriving(light, points)
     cosine = np.sum(normals * arriving.to_light, axis=1)
     sum_of_both = arriving.to_light + to_viewer
@@ -73,12 +74,15 @@ def _of_one(light: Light, points: Floats, normals: Floats, to_viewer: Floats, su
 
     diffuse = np.asarray(surface.diffuse) * light.diffuse
     specular = np.asarray(surface.specular) * light.specular
-    highlight = _power(half, surface.shininess)[:, None] * specular
+    shape, shape_off = _power(half, surface.shininess), _power_off(half, off_half, surface.shininess)
+    if by_mesa and raised_to_itself(light, surface):
+        shape, shape_off = _to_itself(cosine), _to_itself_off(cosine, off_cosine)
+    highlight = shape[:, None] * specular
     always = np.asarray(surface.ambient) * light.ambient
     shone = always + np.maximum(cosine, 0.0)[:, None] * diffuse + highlight * (cosine > 0)[:, None]
     gated = np.where(np.abs(cosine) <= GATE_ROUNDINGS * U + arriving.moved, 1.0, 0.0)[:, None] * highlight
     open_gate = np.where(cosine > -off_cosine, 1.0, 0.0)[:, None]
-    moved = open_gate * (off_cosine[:, None] * diffuse + _power_off(half, off_half, surface.shininess)[:, None] * specular)
+    moved = open_gate * (off_cosine[:, None] * diffuse + shape_off[:, None] * specular)
     return Lit(
         arriving.share[:, None] * shone,
         np.maximum(arriving.share, arriving.doubt)[:, None] * gated + arriving.doubt[:, None] * shone,
@@ -130,6 +134,25 @@ def _power_off(cosine: Floats, off: Floats, exponent: float) -> Floats:
     """By how much a power is off at most when the cosine is."""
     middle = _power(cosine, exponent)
     return np.maximum(_power(cosine + off, exponent) - middle, middle - _power(cosine - off, exponent))
+
+
+def raised_to_itself(light: Light, surface: Surface) -> bool:
+    """Whether Mesa raises N·L to the power N·L (Q10)."""
+    falls_off = light.position is not None and (tuple(light.attenuation) != (1, 0, 0) or light.cutoff_deg <= 90)
+    return surface.shininess == 0 and any(surface.specular) and falls_off
+
+
+def _to_itself(cosine: Floats) -> Floats:
+    """c^c, 1 at 0; least, 0.69, at 1/e."""
+    positive = np.maximum(cosine, 0.0)
+    return np.asarray(positive**positive)
+
+
+def _to_itself_off(cosine: Floats, off: Floats) -> Floats:
+    """By how much c^c is off at most when c is: its slope has no bound near 0."""
+    middle = _to_itself(cosine)
+    ends = [_to_itself(cosine - off), _to_itself(cosine + off), _to_itself(np.clip(np.exp(-1.0), cosine - off, cosine + off))]
+    return np.asarray(np.max([np.abs(end - middle) for end in ends], axis=0))
 
 
 def rows_unit(vectors: Floats) -> Floats:

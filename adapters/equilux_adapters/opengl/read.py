@@ -14,7 +14,7 @@ from equilux.adapter import Program, RawRender, Reading, RendererFailed
 from equilux_adapters._triangles.bounds import Floats, view_of
 from equilux_adapters._triangles.view import Mesh
 from equilux_adapters.opengl.budget import budget_of
-from equilux_adapters.opengl.formula import Lighting
+from equilux_adapters.opengl.formula import Lighting, raised_to_itself
 from equilux_adapters.opengl.interpolation import Left, left_open
 from equilux_adapters.opengl.kit.stage import Light, Surface
 from equilux_adapters.opengl.knobs import OpenGLKnobs
@@ -42,7 +42,12 @@ def _left(facts: Mapping[str, Any], drawn: Path) -> Left:
         for index, (surface, true) in enumerate(zip(facts["surfaces"], facts["round"], strict=True)):
             mesh = Mesh(*(arrays[f"{name}-{index}"] for name in ("points", "normals", "triangles")))
             objects.append((mesh, Surface(**surface), true))
-    return left_open(view, objects, lighting)
+    left = left_open(view, objects, lighting)
+    if any(raised_to_itself(light, surface) for light in lights for _, surface, _ in objects):
+        # What is interpolated is what the API evaluates at the corners: by the model, or by Mesa's own rule.
+        by_mesa = left_open(view, objects, lighting._replace(by_mesa=True))
+        left = Left(*(np.maximum(one, other) for one, other in zip(left, by_mesa, strict=True)))
+    return left
 
 
 def _arrays(light: Mapping[str, Any], eye: Floats) -> dict[str, Any]:
