@@ -9,6 +9,7 @@ from typing import Any, ClassVar
 from equilux_scenes.case import Case
 from equilux_scenes.model import Material, PerspectiveCamera, Scene
 from equilux_tracer.causes.exponent import ExponentClamped, ExponentScaled, SpecularFloored
+from equilux_tracer.causes.recursion import follows_rays
 from equilux_tracer.causes.rewrite import (
     BLACK,
     CheckedRule,
@@ -203,8 +204,7 @@ class ViewVectorFromEye(_Highlight):
     def touches(self, scene: Scene) -> bool:
         if _is_opengl(scene):
             return scene.viewer == "infinite" and has_highlight(scene)
-        bounced = scene.model == "raytraced" and scene.recursion_limit > 0
-        return (bounced or not isinstance(scene.camera, PerspectiveCamera)) and has_highlight(scene)
+        return (follows_rays(scene) or not isinstance(scene.camera, PerspectiveCamera)) and has_highlight(scene)
 
     def change_shading(self, rules: ShadingRules, applied: Applied) -> ShadingRules:
         return dataclasses.replace(rules, viewer="from-eye")
@@ -219,8 +219,7 @@ class ViewVectorFixed(_Highlight):
     def touches(self, scene: Scene) -> bool:
         if _is_opengl(scene):
             return scene.viewer == "local" and has_highlight(scene)
-        bounced = scene.model == "raytraced" and scene.recursion_limit > 0
-        return (bounced or isinstance(scene.camera, PerspectiveCamera)) and has_highlight(scene)
+        return (follows_rays(scene) or isinstance(scene.camera, PerspectiveCamera)) and has_highlight(scene)
 
     def change_shading(self, rules: ShadingRules, applied: Applied) -> ShadingRules:
         return dataclasses.replace(rules, viewer="fixed")

@@ -16,8 +16,30 @@ from equilux_tracer.causes.rule import Applied, Continuous, Discrete, Evidence, 
 
 AS_POINT_LIGHT: dict[str, Any] = {"cone_half_angle_deg": 180.0, "exponent": 0.0}
 """Every direction is inside the cone, none is weaker."""
-NO_CONE: dict[str, Any] = {"cone_half_angle_deg": 180.0}
-"""Every direction is inside the cone; max(0, cos)^e still weakens."""
+HEMISPHERE: dict[str, Any] = {"cone_half_angle_deg": 90.0, "exponent": 0.0}
+"""As a point light, but nothing behind it."""
+
+WITHOUT_A_CONE = {
+    "": "a point light: neither cone nor exponent, I in all directions",
+    "exponent kept": "no cone: I max(0, cos ψ)^e",
+    "hemisphere": "neither cone nor exponent in front of the light, nothing behind it: I where ψ ≤ 90°",
+}
+"""What may be left of a spot light whose cone has no effect: reading → words."""
+
+
+def _without_a_cone(spot: SpotLight, reading: str) -> dict[str, Any]:
+    match reading:
+        case "":
+            return AS_POINT_LIGHT
+        case "hemisphere":
+            return HEMISPHERE
+        case _:
+            return _cone(spot, 180.0)
+
+
+def _cone(spot: SpotLight, half_angle_deg: float) -> dict[str, Any]:
+    """Another half-angle. max(0, cos)^e makes a wider one than 90° the same as 90°."""
+    return {"cone_half_angle_deg": min(half_angle_deg, 180.0 if spot.exponent == 0 else 90.0)}
 
 
 class _Spot(CheckedRule):
@@ -34,15 +56,10 @@ class SpotIgnored(_Spot):
 
     id = "spot-ignored"
     formula = ("I cos^e ψ where ψ ≤ half-angle, else 0", "I")
-    readings: ClassVar[Mapping[str, str]] = {
-        "": "neither cone nor exponent: I in all directions",
-        "exponent kept": "no cone: I max(0, cos ψ)^e",
-        "hemisphere": "neither cone nor exponent in front of the light, nothing behind it: I where ψ ≤ 90°",
-    }
+    readings: ClassVar[Mapping[str, str]] = WITHOUT_A_CONE
 
     def change_case(self, case: Case, applied: Applied) -> Case:
-        change = {"": AS_POINT_LIGHT, "exponent kept": NO_CONE, "hemisphere": {"cone_half_angle_deg": 90.0, "exponent": 0.0}}
-        return with_spots(case, lambda _: change[applied.reading])
+        return with_spots(case, lambda spot: _without_a_cone(spot, applied.reading))
 
 
 class SpotConeDoubled(_Spot):
@@ -63,7 +80,7 @@ class SpotConeDoubled(_Spot):
             doubled = 2 * spot.cone_half_angle_deg
             if applied.reading.startswith("a point light") and doubled >= 90:
                 return AS_POINT_LIGHT
-            return {"cone_half_angle_deg": min(doubled, 90.0 if applied.reading == "at most 90°" else 180.0)}
+            return _cone(spot, min(doubled, 90.0) if applied.reading == "at most 90°" else doubled)
 
         return with_spots(case, change)
 
@@ -118,11 +135,7 @@ class SpotConeIgnored(_Spot):
 
     id = "spot-cone-ignored"
     formula = ("I cos^e ψ where ψ ≤ half-angle, else 0", "I in all directions where half-angle ≥ from")
-    readings: ClassVar[Mapping[str, str]] = {
-        "": "a point light: neither cone nor exponent",
-        "exponent kept": "no cone: I max(0, cos ψ)^e",
-        "hemisphere": "neither cone nor exponent in front of the light, nothing behind it: I where ψ ≤ 90°",
-    }
+    readings: ClassVar[Mapping[str, str]] = WITHOUT_A_CONE
     parameter = Discrete("from", "°")
 
     def values(self, case: Case, reading: str) -> Sequence[Parameter]:
@@ -131,5 +144,4 @@ class SpotConeIgnored(_Spot):
 
     def change_case(self, case: Case, applied: Applied) -> Case:
         least = float(applied.parameter)  # type: ignore[arg-type]
-        change = {"": AS_POINT_LIGHT, "exponent kept": NO_CONE, "hemisphere": {"cone_half_angle_deg": 90.0, "exponent": 0.0}}
-        return with_spots(case, lambda spot: change[applied.reading] if spot.cone_half_angle_deg >= least else {})
+        return with_spots(case, lambda spot: _without_a_cone(spot, applied.reading) if spot.cone_half_angle_deg >= least else {})

@@ -291,6 +291,13 @@ def test_what_cannot_change_the_picture_is_not_tried(case, causes):
         assert found == {cause: [] for cause in causes}
 
 
+def test_of_a_spot_that_needs_no_cone_only_other_pictures_are_tried():
+    wide = lights_by_hand(lamp={"cone_half_angle_deg": 90})
+    assert [reading for _, reading in tried(wide, "spot-ignored")] == ["", "hemisphere"]
+    assert [reading for _, reading in tried(wide, "spot-cone-doubled")] == ["a point light from 90° on"]
+    assert [reading for _, reading in tried(CASE, "spot-cone-doubled")] == ["", "a point light from 90° on"]
+
+
 def test_a_light_that_falls_off_as_1_over_r_squared_has_one_term_to_miss():
     spec = changed(SPEC, lights={"key": {key: value for key, value in SPEC["lights"]["key"].items() if key != "attenuation"}})
     assert tried(case_of(spec), "attenuation-term-missing") == [
