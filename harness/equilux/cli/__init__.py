@@ -9,7 +9,7 @@ from typing import Any
 
 import cyclopts
 
-from equilux.cli import adapters, brdf, dialects, explain, report, run, scenes, score
+from equilux.cli import adapters, brdf, dialects, diff, explain, report, run, scenes, score
 from equilux.complaint import BadUsage
 
 BAD_USAGE = 2
@@ -31,6 +31,7 @@ def build() -> cyclopts.App:
     app.command(run.run)
     app.command(report.report)
     app.command(explain.explain)
+    app.command(diff.diff)
     app.command(score.score)
     app.command(dialects.dialects)
     app.command(brdf.brdf)
@@ -76,5 +77,5 @@ def _complain(lines: Sequence[str]) -> int:
 def _one_line(problem: cyclopts.CycloptsError, arguments: Sequence[str]) -> str:
     """What is wrong with a command line, on one line, with where to read more."""
     text = " ".join(str(problem).split())
-    chain = [word for word in arguments if word in ("run", "report", "explain", "score", "scenes", "adapters")][:1]
+    chain = [word for word in arguments if word in ("run", "report", "explain", "diff", "score", "scenes", "adapters")][:1]
     return f"equilux: {text} (see: {' '.join(['equilux', *chain, '--help'])})"
