@@ -2,150 +2,185 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+import time
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
+from itertools import product
+from typing import Literal
 
 import numpy as np
+import numpy.typing as npt
 
 from equilux_scenes.case import Case
-from equilux_scenes.model import Sphere
+from equilux_scenes.model import Cylinder, Disc, Object, Sphere
 from equilux_tracer.causes.changed import ChangedTracer
-from equilux_tracer.causes.rule import Applied, Evidence, Floats, Parameter, Rule
+from equilux_tracer.causes.rule import Applied, Evidence, Floats, Rule
 from equilux_tracer.causes.tessellation import Style
 
 TYPICAL = (4, 5, 6, 8, 10, 12, 16, 20, 24, 30, 32, 36, 40, 48, 64, 96, 100, 128, 180, 200, 256)
 COMMON = (32, 16, 64, 24, 8, 48, 12, 20, 128)
 CUTS = (0, 1, 2, 3, 4, 5)
 MOST_PIXELS = 120
+MOST_SECONDS = 3.0
+"""Of the processor, for scenes that take long to trace."""
 MOST_TRIANGLES = 500_000
 """In all trials together: about a second's work; each counts 500 more for what does not depend on them."""
-FOUND = 0.05
-"""A trial that is wrong on no greater share of the pixels is the right one: silhouettes may be."""
+FOUND = 0.01
+"""A trial that is wrong on no greater share of the pixels is the right one."""
 WINDOW = 4.0
 """How far the picture's change may be from the plainest style's: other styles make a few times as much of it, or as little."""
 
 
-def best_tessellations(rule: Rule, styles: Mapping[str, Style], curved: Sequence[int], evidence: Evidence) -> list[Applied]:
-    """The two likeliest of a rule's readings `styles`, with the number of segments; none where what diverges is elsewhere.
+Normals = Literal["exact", "averaged", "averaged over edges", "flat"]
+
+
+def best_tessellations(rule: Rule, prefix: str, normals: Sequence[Normals], evidence: Evidence) -> list[Applied]:
+    """The two likeliest styles, with the number of segments; none where what diverges is elsewhere.
 
     What changes in a picture goes like n^-2 (normals interpolated) or n^-1 (face normals): the plainest style tells about which
-    n to look at; then the main styles are tried there with typical numbers, and those that come nearest with all numbers.
+    n to look at; then likely styles are tried there with typical numbers, others with common ones, and those that come nearest
+    with all numbers. prefix: before a style's name in the reading; normals: those that the rule allows, the plainest first.
     """
+    found = _styles_found(rule, prefix, tuple(normals), evidence)
+    return [_applied(rule, prefix, style, count) for style, count in found]
+
+
+def _styles_found(rule: Rule, prefix: str, normals: tuple[Normals, ...], evidence: Evidence) -> list[tuple[Style, int]]:
+    objects = evidence.case.scene.objects
+    curved = [index for index, obj in enumerate(objects) if isinstance(obj, Sphere | Cylinder | Disc)]
     seen = evidence.model["object_id"][evidence.diverging]
-    if not len(seen) or np.isin(seen, curved).mean() < 0.2:
+    if not len(seen) or np.isin(seen, curved).mean() < 0.02:
         return []
-    shapes = [evidence.case.scene.objects[index] for index in curved]
-    styles = _distinct(styles, any(isinstance(s, Sphere) for s in shapes), any(not isinstance(s, Sphere) for s in shapes))
-    trials = _Trials(rule, evidence)
-    low, high = trials.window(next(iter(styles)))
+    trials = _Trials(rule, prefix, evidence)
+    plain = Style(normals=normals[0])
+    low, high = trials.window(plain)
     typical = sorted((n for n in TYPICAL if low <= n <= high), key=lambda n: COMMON.index(n) if n in COMMON else len(COMMON))
-    common = [count for count in COMMON if low <= count <= high]
-    likely, others = _by_likelihood(styles)
+    common = [count for count in typical if count in COMMON] or typical[:3]
+    likely, others = styles_worth_trying([objects[index] for index in curved], normals)
     # number by number, so that the likely ones are all tried before much has been spent on many triangles
-    for names, counts in ((likely, typical), (others, common or typical[:3])):
-        for name in names:
-            trials.of_all(name, CUTS if styles[name].rows == "icosphere" else ())
+    for styles, counts in ((likely, typical), (others, common)):
+        for style in styles:
+            trials.of_all(style, CUTS if style.rows == "icosphere" else ())
         for count in counts:
-            for name in names:
-                trials.of_all(name, () if styles[name].rows == "icosphere" else [count])
+            for style in styles:
+                trials.of_all(style, () if style.rows == "icosphere" else [count])
     between = [count for count in range(low, high + 1) if count <= 40 or count % 4 == 0 or count % 10 == 0]
-    for applied in trials.best(2, by_reading=True):
-        trials.of_all(applied.reading, () if styles[applied.reading].rows == "icosphere" else between)
-    for applied in trials.best(3):
-        other = replace(styles[applied.reading], other_diagonals=not styles[applied.reading].other_diagonals)
-        for name in (name for name, each in styles.items() if each == other):
-            trials.of_all(name, [applied.parameter])
+    for style, _ in trials.best(2, by_style=True):
+        trials.of_all(style, () if style.rows == "icosphere" else between)
+    for style, best in trials.best(3):
+        trials.of_all(replace(style, other_diagonals=not style.other_diagonals), [best])
     return trials.best(2)
 
 
-def _by_likelihood(styles: Mapping[str, Style]) -> tuple[list[str], list[str]]:
-    """What libraries make by default, and the rest; the other diagonals are tried last, of the best."""
-    main = {name: style for name, style in styles.items() if not style.other_diagonals}
-
-    def is_likely(style: Style) -> bool:
-        plain = style.normals in ("exact", "flat") and style.axis != "x"
-        return plain and (style.rows in ("n/2", "n") or (style.rows == "icosphere" and style.axis == "y"))
-
-    return [name for name in main if is_likely(main[name])], [name for name in main if not is_likely(main[name])]
+def _applied(rule: Rule, prefix: str, style: Style, count: int) -> Applied:
+    return Applied(rule.id, count, ", ".join(part for part in (prefix, style.name) if part))
 
 
-def _distinct(styles: Mapping[str, Style], spheres: bool, rounds: bool) -> dict[str, Style]:
-    """Those that differ where there are spheres, and where there are cylinders or discs."""
-    return {
-        name: style
-        for name, style in styles.items()
-        if (spheres or (style.rows == "n/2" and style.axis == "y"))
-        and (rounds or (not style.turn and style.normals != "averaged over edges"))
-    }
+def styles_worth_trying(shapes: Sequence[Object], normals: Sequence[Normals]) -> tuple[list[Style], list[Style]]:
+    """Those that differ on these shapes: what libraries make by default, and the rest. The other diagonals are tried last, of
+    the best."""
+    kinds = {shape.kind for shape in shapes}
+    rounds = [shape for shape in shapes if isinstance(shape, Cylinder | Disc)]
+    plain = Style(normals=normals[0])
+    balls = [replace(plain, rows=rows, axis=axis) for rows, axis in product(_ROWS, _AXES)] if "sphere" in kinds else [plain]
+    likely = [style for style in balls if style.rows in ("n/2", "n", "icosphere") and style.axis != "x"]
+    others = [style for style in balls if style not in likely]
+    if rounds:
+        slanted = any(np.count_nonzero(_axis(shape)) > 1 for shape in rounds)
+        turns = [replace(plain, start=start, turn=turn) for start, turn in product(_AXES if slanted else ("x",), _TURNS)]
+        others += [replace(turned, axis=axis) for axis in (_AXES[:2] if "sphere" in kinds else ("y",)) for turned in turns]
+    for left_out, kept in ((("disc",), {"sphere", "cylinder"}), (("disc", "cylinder"), {"sphere"})):
+        if kinds & kept and kinds & set(left_out) and not (len(left_out) > 1 and "cylinder" not in kinds):
+            likely += [replace(style, left_out=left_out) for style in likely if not style.left_out]
+    more = [each for each in normals[1:] if each != "averaged over edges" or "cylinder" in kinds]
+    others += [replace(style, normals=each) for each in more for style in likely]
+    return list(dict.fromkeys(likely)), [style for style in dict.fromkeys(others) if style not in likely]
+
+
+_ROWS: tuple[Literal["n/2", "n", "icosphere", "n-1", "n/2-1"], ...] = ("n/2", "n", "icosphere", "n-1", "n/2-1")
+_AXES: tuple[Literal["y", "z", "x"], ...] = ("y", "z", "x")
+_TURNS: tuple[Literal["", "quarter", "half a step"], ...] = ("", "quarter", "half a step")
+
+
+def _axis(shape: Cylinder | Disc) -> Floats:
+    return np.subtract(shape.top, shape.base) if isinstance(shape, Cylinder) else np.asarray(shape.normal)
 
 
 class _Trials:
     """How far each hypothesis is off, on a few pixels. Stops when one is right, or too much was tried."""
 
-    def __init__(self, rule: Rule, evidence: Evidence) -> None:
-        self._rule = rule
+    def __init__(self, rule: Rule, prefix: str, evidence: Evidence) -> None:
+        self._rule, self._prefix = rule, prefix
         self._case: Case = evidence.case
-        diverging, agreeing = np.flatnonzero(evidence.diverging), np.flatnonzero(~evidence.diverging)
-        # inside a polygon's circle, what agrees speaks against too few segments
-        on_objects = agreeing[evidence.model["object_id"][agreeing] >= 0]
-        agreeing = on_objects if len(on_objects) else agreeing
-        few = MOST_PIXELS // 3
-        chosen = np.concatenate([diverging[:: len(diverging) // MOST_PIXELS + 1], agreeing[:: len(agreeing) // few + 1]])
-        self._diverging = evidence.diverging[chosen]
-        self._film_xy = np.ascontiguousarray(evidence.film_xy[chosen])
-        self._measured = evidence.measured[chosen]
-        self._bound = np.maximum(evidence.bound[chosen], 1e-300)
-        self._model = evidence.model["radiance"][chosen]
-        self._off: dict[Applied, float] = {}
+        diverging = np.flatnonzero(evidence.diverging)
+        diverging = diverging[:: len(diverging) // MOST_PIXELS + 1]
+        width = self._case.scene.film.width
+        near_xy = _agreeing_nearby(evidence, diverging)
+        near = (near_xy[:, 1].astype(int) * width) + near_xy[:, 0].astype(int)
+        largest_bound = np.full((len(near), 3), evidence.bound.max())
+        self._film_xy = np.ascontiguousarray(np.concatenate([evidence.film_xy[diverging], near_xy]))
+        picture = np.asarray(evidence.picture, np.float64).reshape(-1, 3)
+        self._measured = np.concatenate([evidence.measured[diverging], picture[near]])
+        self._bound = np.maximum(np.concatenate([evidence.bound[diverging], largest_bound]), 1e-300)
+        self._model = np.concatenate([evidence.model["radiance"][diverging], evidence.truth.reshape(-1, 3)[near]])
+        self._diverging = np.arange(len(self._film_xy)) < len(diverging)
+        self._off: dict[tuple[Style, int], float] = {}
         self._found = False
         self._left = MOST_TRIANGLES
+        self._end = time.process_time() + MOST_SECONDS
 
-    def window(self, reading: str) -> tuple[int, int]:
+    def window(self, style: Style) -> tuple[int, int]:
         """The least and the largest number of segments that change the picture about as much as it is changed."""
         wanted = self._change(self._measured)
         near = []
         for count in TYPICAL:
-            ratio = self._try(Applied(self._rule.id, count, reading)) / max(wanted, 1e-300)
+            ratio = self._try(style, count) / max(wanted, 1e-300)
             if 1 / WINDOW <= ratio <= WINDOW:
                 near.append(count)
             if ratio < 1 / WINDOW or self._found:
                 break
         return (near[0], near[-1]) if near else (TYPICAL[0], TYPICAL[-1])
 
-    def of_all(self, reading: str, counts: Iterable[Parameter]) -> None:
+    def of_all(self, style: Style, counts: Iterable[int]) -> None:
         """Try these numbers of segments."""
         for count in counts:
-            applied = Applied(self._rule.id, count, reading)
-            if applied not in self._off and not self._found and self._left > 0:
-                self._try(applied)
+            if (style, count) not in self._off and not self._found and self._left > 0 and time.process_time() < self._end:
+                self._try(style, count)
 
-    def best(self, number: int, *, by_reading: bool = False) -> list[Applied]:
-        """Those that are least off; by_reading: of each reading only its best."""
+    def best(self, number: int, *, by_style: bool = False) -> list[tuple[Style, int]]:
+        """Those that are least off; by_style: of each style only its best."""
         ranked = sorted(self._off, key=self._off.__getitem__)
-        if by_reading:
-            ranked = list({applied.reading: applied for applied in reversed(ranked)}.values())
+        if by_style:
+            ranked = list({style: (style, count) for style, count in reversed(ranked)}.values())
             ranked.sort(key=self._off.__getitem__)
         return ranked[:number]
 
-    def _try(self, applied: Applied) -> float:
+    def _try(self, style: Style, count: int) -> float:
         """How much the picture changes."""
-        shown = self._shown(applied)
-        off = np.nan_to_num((np.abs(self._measured - shown) / self._bound).max(axis=1), nan=1e9)
-        self._off[applied] = float(np.mean(np.log1p(off)))
-        wrong = off > 1
-        self._found = self._found or all(
-            wrong[part].mean() <= FOUND for part in (self._diverging, ~self._diverging) if part.any()
-        )
-        return self._change(shown)
-
-    def _shown(self, applied: Applied) -> Floats:
-        tracer = ChangedTracer(self._case, [applied], {self._rule.id: self._rule})
+        tracer = ChangedTracer(self._case, [_applied(self._rule, self._prefix, style, count)], {self._rule.id: self._rule})
         made = (mesh for index, mesh in tracer.changed_case.meshes.items() if index not in self._case.meshes)
         self._left -= 500 + sum(len(mesh.faces) for mesh in made)
-        shown: Floats = tracer.evaluate(self._film_xy)["radiance"]
-        return shown
+        shown = tracer.evaluate(self._film_xy)["radiance"]
+        off = np.nan_to_num((np.abs(self._measured - shown) / self._bound).max(axis=1), nan=1e9)
+        self._off[style, count] = float(np.mean(np.log1p(off)))
+        wrong = off > 1
+        parts = [part for part in (self._diverging, ~self._diverging) if part.any()]
+        self._found = self._found or all(wrong[part].mean() <= FOUND for part in parts)
+        return self._change(shown)
 
     def _change(self, shown: Floats) -> float:
         """Off silhouettes, where a pixel changes altogether or not at all: the lower quartile of what changes."""
         change = np.abs(shown - self._model).max(axis=1)
         return float(np.quantile(change[change > 0], 0.25)) if (change > 0).any() else 0.0
+
+
+def _agreeing_nearby(evidence: Evidence, diverging: npt.NDArray[np.intp]) -> Floats:
+    """(m, 2): centres of pixels next to diverging ones that do agree: inside a polygon's circle they speak against too few
+    segments, outside against too large ones."""
+    height, width = evidence.truth.shape[:2]
+    agrees = (np.abs(np.asarray(evidence.picture) - evidence.truth) <= evidence.bound.max()).all(axis=2)
+    around = evidence.film_xy[diverging][:, None] + np.array([[2, 0], [-2, 0], [0, 2], [0, -2], [5, 5], [-5, -5]])
+    around = around.reshape(-1, 2)
+    inside = around[((around > 0) & (around < [width, height])).all(axis=1)]
+    chosen = np.unique(inside[agrees[inside[:, 1].astype(int), inside[:, 0].astype(int)]], axis=0)
+    return np.asarray(chosen[:: len(chosen) // (MOST_PIXELS // 3) + 1], dtype=np.float64)

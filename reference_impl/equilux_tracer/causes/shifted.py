@@ -154,9 +154,10 @@ def _refined(tracer: Tracer, evidence: Evidence, start: tuple[float, float]) -> 
         scale = 1 / np.maximum(evidence.bound.ravel(), 1e-300)
         slopes = np.stack([(right - here) / step, (down - here) / step], axis=1) * scale[:, None]
         rest = (evidence.measured.ravel() - here) * scale
-        keep = np.isfinite(rest) & (np.abs(rest) <= 4 * np.median(np.abs(rest[np.isfinite(rest)])) + 1)
-        if keep.sum() < 4:
+        usable = np.isfinite(rest) & slopes.any(axis=1)
+        if usable.sum() < 4:
             break
+        keep = usable & (np.abs(rest) <= 4 * np.median(np.abs(rest[usable])) + 1)
         change = np.linalg.lstsq(slopes[keep], rest[keep], rcond=1e-9)[0]
         best = best + np.clip(change, -0.5, 0.5)
         if np.abs(change).max() < 1e-9:
@@ -165,5 +166,5 @@ def _refined(tracer: Tracer, evidence: Evidence, start: tuple[float, float]) -> 
 
 
 def _robust(residual: Floats) -> float:
-    finite = np.abs(residual[np.isfinite(residual)])
-    return float(np.mean(np.minimum(finite, 1e3) / (1 + np.minimum(finite, 1e3)))) if finite.size else np.inf
+    """Logarithms: what is off altogether counts little more than what is off a bit."""
+    return float(np.mean(np.log1p(np.nan_to_num(np.abs(residual), nan=1e30)))) if residual.size else np.inf

@@ -12,42 +12,37 @@ from equilux_scenes.model import Box, Cylinder, Disc, Mesh, Rectangle, Sphere
 from equilux_tracer.causes.mesh_normals import box_mesh, one_normal_per_face, rectangle_mesh, turned_quads, with_meshes
 from equilux_tracer.causes.rule import Applied, Discrete, Evidence, Group, Rule
 from equilux_tracer.causes.segments import best_tessellations
-from equilux_tracer.causes.tessellation import Style, all_styles, tessellated_shape
+from equilux_tracer.causes.tessellation import PARTS, PLAIN, Style, tessellated_shape
 from equilux_tracer.shading_rules import ShadingRules
 
-_SMOOTH = {style.name: style for style in all_styles(("exact", "averaged", "averaged over edges"))}
-_FLAT = {
-    ", ".join(filter(None, ("tessellated", style.name.removesuffix("flat").strip(", ")))): style
-    for style in all_styles(("flat",))
-}
-_LIT = {", ".join(filter(None, ("tessellated", style.name))): style for style in all_styles(("exact", "flat"))}
+TESSELLATED = "tessellated"
+"""First part of the readings in which curved shapes have become triangles."""
+FLAT = "tessellated, flat"
 
 
 class Tessellated(Rule):
     """Curved shapes are drawn as triangles with interpolated normals, too few of them: spheres, cylinders, discs.
 
-    The parameter is the number of segments around, or how often an icosphere is cut. What has finer silhouettes than facets is
-    not tried.
+    The parameter is the number of segments around, or how often an icosphere is cut. Readings are combined: `n bands, about z`.
     """
 
     id = "tessellated"
     group: ClassVar[Group] = "geometry"
     formula = ("|P − C| = r", "P on triangles with corners |P_k − C| = r;  N = unit(u N_a + v N_b + w N_c)")
-    readings: ClassVar[Mapping[str, str]] = {name: style.description for name, style in _SMOOTH.items()} | {
-        "flat": "as the first, shaded with face normals"
-    }
+    readings: ClassVar[Mapping[str, str]] = {"": PLAIN} | {part: words for part, (_, _, words) in PARTS.items()}
     parameter = Discrete("segments")
 
     def hypotheses(self, case: Case) -> Sequence[Applied]:
-        return [Applied(self.id)] if _curved(case) else []
+        return [Applied(self.id), Applied(self.id, None, "flat")] if _curved(case) else []
 
     def estimates(self, hypothesis: Applied, evidence: Evidence) -> Sequence[Applied]:
         """By a coarse search over numbers and styles on some of the pixels; see `best_tessellations`."""
-        return best_tessellations(self, _SMOOTH | {"flat": Style(normals="flat")}, _curved(evidence.case), evidence)
+        if hypothesis.reading == "flat":
+            return best_tessellations(self, "", ("flat",), evidence)
+        return best_tessellations(self, "", ("exact", "averaged", "averaged over edges"), evidence)
 
     def change_case(self, case: Case, applied: Applied) -> Case:
-        style = _SMOOTH.get(applied.reading, Style(normals="flat"))
-        return with_meshes(case, _tessellated(case, applied, style))
+        return with_meshes(case, _tessellated(case, applied, Style.named(applied.reading)))
 
 
 class FacetedNormals(Rule):
@@ -64,18 +59,19 @@ class FacetedNormals(Rule):
         "first vertex": "the normal of each triangle's first vertex",
         "last vertex": "the normal of each triangle's last vertex",
         "mean": "the mean of each triangle's vertex normals",
-    } | {name: f"curved shapes, too: {style.description}" for name, style in _FLAT.items()}
+        FLAT: "curved shapes, too: triangles, with the readings of `tessellated`, joined by commas",
+    }
     parameter = Discrete("segments")
 
     def hypotheses(self, case: Case) -> Sequence[Applied]:
         of_meshes = ["", "first vertex", "last vertex", "mean"] if _has_vertex_normals(case) else []
-        of_curved = ["tessellated"] if _curved(case, flats=False) else []
+        of_curved = [FLAT] if any(isinstance(obj, Sphere | Cylinder) for obj in case.scene.objects) else []
         return [Applied(self.id, None, reading) for reading in (*of_meshes, *of_curved)]
 
     def estimates(self, hypothesis: Applied, evidence: Evidence) -> Sequence[Applied]:
-        if hypothesis.reading not in _FLAT:
+        if not hypothesis.reading.startswith(TESSELLATED):
             return [hypothesis]
-        return best_tessellations(self, _FLAT, _curved(evidence.case, flats=False), evidence)
+        return best_tessellations(self, TESSELLATED, ("flat",), evidence)
 
     def change_case(self, case: Case, applied: Applied) -> Case:
         meshes = {index: mesh for index, mesh in case.meshes.items() if mesh.vertex_normals is not None}
@@ -85,8 +81,9 @@ class FacetedNormals(Rule):
                 return with_meshes(case, {index: one_normal_per_face(mesh, which) for index, mesh in meshes.items()})  # type: ignore[arg-type]
             case _:
                 made = {index: TriangleMesh(mesh.vertices, mesh.faces) for index, mesh in meshes.items()}
-                style = _FLAT.get(applied.reading)
-                return with_meshes(case, made | ({} if style is None else _tessellated(case, applied, style)))
+                if applied.reading:
+                    made |= _tessellated(case, applied, _style(applied))
+                return with_meshes(case, made)
 
 
 class VertexLighting(Rule):
@@ -103,7 +100,8 @@ class VertexLighting(Rule):
         "": "meshes only",
         "corners": "meshes, rectangles and boxes, at their corners",
         "corners, other diagonals": "the same, cut along the other diagonal",
-    } | {name: f"every shape but planes; {style.description}" for name, style in _LIT.items()}
+        TESSELLATED: "every shape but planes, with the readings of `tessellated`, joined by commas",
+    }
     parameter = Discrete("segments")
 
     def hypotheses(self, case: Case) -> Sequence[Applied]:
@@ -112,17 +110,16 @@ class VertexLighting(Rule):
         flats = any(isinstance(obj, Rectangle | Box) for obj in case.scene.objects)
         worth = [""] if case.meshes else []
         worth += ["corners", "corners, other diagonals"] if flats else []
-        worth += ["tessellated"] if _curved(case) else []
+        worth += [TESSELLATED] if _curved(case) else []
         return [Applied(self.id, None, reading) for reading in worth]
 
     def estimates(self, hypothesis: Applied, evidence: Evidence) -> Sequence[Applied]:
-        if hypothesis.reading not in _LIT:
+        if not hypothesis.reading.startswith(TESSELLATED):
             return [hypothesis]
-        return best_tessellations(self, _LIT, _curved(evidence.case), evidence)
+        return best_tessellations(self, TESSELLATED, ("exact", "flat"), evidence)
 
     def change_case(self, case: Case, applied: Applied) -> Case:
-        style = _LIT.get(applied.reading)
-        made = {} if style is None else _tessellated(case, applied, style)
+        made = _tessellated(case, applied, _style(applied)) if applied.reading.startswith(TESSELLATED) else {}
         if applied.reading:
             other = "other diagonals" in applied.reading
             made |= {index: mesh for index, obj in enumerate(case.scene.objects) if (mesh := _corners(obj, other)) is not None}
@@ -132,21 +129,22 @@ class VertexLighting(Rule):
         return replace(rules, vertex_lighting=True)
 
 
-def _curved(case: Case, *, flats: bool = True) -> list[int]:
-    """Indices of the objects that become polyhedra; flats: discs, which become polygons, too."""
-    kinds = (Sphere, Cylinder, Disc) if flats else (Sphere, Cylinder)
-    return [index for index, obj in enumerate(case.scene.objects) if isinstance(obj, kinds)]
+def _style(applied: Applied) -> Style:
+    return Style.named(applied.reading.removeprefix(TESSELLATED).removeprefix(", "))
+
+
+def _curved(case: Case) -> bool:
+    return any(isinstance(obj, Sphere | Cylinder | Disc) for obj in case.scene.objects)
 
 
 def _tessellated(case: Case, applied: Applied, style: Style) -> dict[int, TriangleMesh]:
     if not isinstance(applied.parameter, int):
         raise ValueError(f"{applied.cause}: got parameter {applied.parameter!r}, allowed a number of segments")
-    result = {}
-    for index in _curved(case):
-        obj = case.scene.objects[index]
-        assert isinstance(obj, Sphere | Cylinder | Disc)
-        result[index] = tessellated_shape(obj, applied.parameter, style)
-    return result
+    return {
+        index: tessellated_shape(obj, applied.parameter, style)
+        for index, obj in enumerate(case.scene.objects)
+        if isinstance(obj, Sphere | Cylinder | Disc) and obj.kind not in style.left_out
+    }
 
 
 def _has_vertex_normals(case: Case) -> bool:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Literal
@@ -14,74 +14,51 @@ from equilux_scenes.model import Cylinder, Disc, Sphere
 from equilux_tracer.causes.mesh_normals import smooth
 from equilux_tracer.causes.rule import Floats
 
-Rows = Literal["n/2", "n", "n-1", "n/2-1", "icosphere"]
-Normals = Literal["exact", "averaged", "averaged over edges", "flat"]
-AXES = ("y", "z", "x")
+PARTS: Mapping[str, tuple[str, object, str]] = {
+    "n bands": ("rows", "n", "spheres have n bands from pole to pole"),
+    "n-1 bands": ("rows", "n-1", "n − 1 bands"),
+    "n/2-1 bands": ("rows", "n/2-1", "n/2 − 1 bands"),
+    "icosphere": ("rows", "icosphere", "every triangle of an icosahedron is cut in four, n times"),
+    "about z": ("axis", "z", "the poles of spheres lie on z"),
+    "about x": ("axis", "x", "the poles of spheres lie on x"),
+    "other diagonals": ("other_diagonals", True, "quadrilaterals are cut along the other diagonal"),
+    "from y": ("start", "y", "cylinders and discs start on y"),
+    "from z": ("start", "z", "cylinders and discs start on z"),
+    "turned": ("turn", "quarter", "they start a quarter turn on"),
+    "half a step on": ("turn", "half a step", "they start half a segment on"),
+    "discs round": ("left_out", ("disc",), "discs stay as they are"),
+    "spheres only": ("left_out", ("disc", "cylinder"), "cylinders and discs stay as they are"),
+    "averaged normals": ("normals", "averaged", "vertex normals are averaged over the triangles around"),
+    "normals averaged over edges": ("normals", "averaged over edges", "the same, over a cylinder's rims, too"),
+    "flat": ("normals", "flat", "face normals"),
+}
+"""Part of a reading's name → the field of `Style`, its value, and that in words."""
+
+PLAIN = "n segments around; spheres have n/2 bands about y; vertex normals of the curved shape"
 
 
 @dataclass(frozen=True)
 class Style:
-    """How spheres, cylinders and discs are divided into n segments around.
+    """How spheres, cylinders and discs are divided into n segments around; `PARTS` has the words."""
 
-    rows: how many bands a sphere has from pole to pole; icosphere: instead, n times each triangle of an icosahedron is cut in
-    four. axis: of a sphere's poles. other_diagonals: of the quadrilaterals. turn: of the first segment of cylinders and discs, in
-    segments or from one coordinate axis to the other. normals: exact: the curved shape's own, at the vertices; averaged: Σ area ×
-    angle × face normal over the triangles around; over edges: across a cylinder's rim, too; flat: face normals.
-    """
-
-    rows: Rows = "n/2"
+    rows: Literal["n/2", "n", "n-1", "n/2-1", "icosphere"] = "n/2"
     axis: Literal["y", "z", "x"] = "y"
     other_diagonals: bool = False
-    turn: Literal["", "turned", "half a step on"] = ""
-    normals: Normals = "exact"
+    start: Literal["x", "y", "z"] = "x"
+    turn: Literal["", "quarter", "half a step"] = ""
+    left_out: tuple[str, ...] = ()
+    normals: Literal["exact", "averaged", "averaged over edges", "flat"] = "exact"
 
     @property
     def name(self) -> str:
-        """ "" for the first style; it names a reading."""
-        parts = [
-            "" if self.rows == "n/2" else self.rows if self.rows == "icosphere" else f"{self.rows} bands",
-            "" if self.axis == "y" else f"about {self.axis}",
-            "other diagonals" if self.other_diagonals else "",
-            self.turn,
-            {"exact": "", "averaged": "averaged normals", "averaged over edges": "normals averaged over edges", "flat": "flat"}[
-                self.normals
-            ],
-        ]
-        return ", ".join(part for part in parts if part)
+        """What is not as in the plainest style, parts in the order of PARTS, joined by commas."""
+        return ", ".join(part for part, (field, value, _) in PARTS.items() if getattr(self, field) == value)
 
-    @property
-    def description(self) -> str:
-        """In words."""
-        if self.rows == "icosphere":
-            sphere = "spheres: an icosahedron of which every triangle is cut in four n times"
-        else:
-            sphere = f"spheres: n segments, {self.rows} bands, poles on {self.axis}"
-        parts = [sphere, "quadrilaterals cut along the other diagonal" if self.other_diagonals else ""]
-        if self.turn:
-            start = "start on the other axis" if self.turn == "turned" else "start half a segment on"
-            parts.append(f"cylinders and discs {start}")
-        parts.append(
-            {
-                "exact": "vertex normals of the curved shape",
-                "averaged": "vertex normals averaged over the triangles around",
-                "averaged over edges": "vertex normals averaged over the triangles around, over a cylinder's rims, too",
-                "flat": "face normals",
-            }[self.normals]
-        )
-        return "; ".join(part for part in parts if part)
-
-
-def all_styles(normals: tuple[Normals, ...]) -> Iterator[Style]:
-    """Every style with these normals, the likeliest first."""
-    for each in normals:
-        for diagonals in (False, True):
-            for rows in ("n/2", "n", "n-1", "n/2-1"):
-                for axis in AXES:
-                    yield Style(rows, axis, diagonals, "", each)  # type: ignore[arg-type]
-            for turn in ("turned", "half a step on"):
-                yield Style("n/2", "y", diagonals, turn, each)
-        for axis in AXES:
-            yield Style("icosphere", axis, False, "", each)  # type: ignore[arg-type]
+    @classmethod
+    def named(cls, name: str) -> Style:
+        """The inverse of `name`. Raises KeyError for a part that does not exist."""
+        fields = [PARTS[part] for part in name.split(", ") if part]
+        return cls(**{field: value for field, value, _ in fields})  # type: ignore[arg-type]
 
 
 def tessellated_shape(shape: Sphere | Cylinder | Disc, segments: int, style: Style) -> TriangleMesh:
@@ -168,15 +145,17 @@ def _icosphere(cuts: int) -> tuple[Floats, np.ndarray]:
 
 
 def _circle(axis: Floats, segments: int, style: Style) -> Floats:
-    """(n, 3) unit vectors around an axis, counter-clockwise seen from its tip, the first one along x where that is across."""
+    """(n, 3) unit vectors around an axis, counter-clockwise seen from its tip; the first one as near as can be to a coordinate
+    axis, or to the next one where that is the axis itself."""
     w = axis / np.linalg.norm(axis)
-    start = np.array([1.0, 0.0, 0.0]) if abs(w[0]) < 0.9 else np.array([0.0, 1.0, 0.0])
+    first = "xyz".index(style.start)
+    start = np.eye(3)[first if abs(w[first]) < 0.9 else (first + 1) % 3]
     u = start - w * (w @ start)
     u /= np.linalg.norm(u)
     v = np.cross(w, u)
-    if style.turn == "turned":
+    if style.turn == "quarter":
         u, v = v, -u
-    turn = 2 * np.pi * (np.arange(segments) + (0.5 if style.turn == "half a step on" else 0.0)) / segments
+    turn = 2 * np.pi * (np.arange(segments) + (0.5 if style.turn == "half a step" else 0.0)) / segments
     around: Floats = np.cos(turn)[:, None] * u + np.sin(turn)[:, None] * v
     return around
 
