@@ -13,7 +13,7 @@ _REGISTERED_BSDF = Capability("exact", "a BSDF written in Python, which the scri
 _REGISTERED_LAMP = Capability("exact", "an emitter written in Python, which the script registers (Q8)")
 
 DIALECT: Sequence[Declared] = (
-    Declared("normal-side", reading="facing-viewer", quirk="Q12"),
+    Declared("normal-side", reading="facing the viewer", quirk="Q12"),
     Declared("shadow-bias", quirk="Q9"),
 )
 """What Mitsuba always does otherwise than the model says. How long the bias is depends on the unit that a scene is written

@@ -14,7 +14,7 @@ _MESH = Capability("approximate", "vertices and normals are float32; the error i
 _NO_HIGHLIGHT = Capability("approximate", "light from behind makes no highlight: the term T·V is missing (Q39)")
 
 DIALECT: Sequence[Declared] = (
-    Declared("normal-side", reading="facing-viewer", quirk="Q19"),
+    Declared("normal-side", reading="facing the viewer", quirk="Q19"),
     Declared("transmitted-highlight-missing", quirk="Q39"),
     Declared("nested-media", quirk="Q43"),
     Declared("shadow-bias", quirk="Q37"),
