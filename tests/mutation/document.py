@@ -84,14 +84,14 @@ _INTRODUCTION = f"""# How good the harness is at finding faults
 
 Written by `make mutation`; do not edit.
 
-A plain renderer of its own (`tests/mutation/`: NumPy, double precision, no code of the tracer, the oracle or the rules) is given one fault,
-or two at once, and its pictures are judged and diagnosed as any adapter's. It states |error| ≤ {BUDGET.terms[0].abs:g} +
-{BUDGET.terms[0].rel:g} |L| and writes float32. Each mutant is tried on the first {SCENES_PER_MUTANT} scenes on which it is *visible*: on some pixel
-that no discontinuity crosses, its picture moves by more than the pair's B; of two faults, each must show beside the other. Scenes are
-corpus and made-up ones in turn, at most 64 × 48 pixels.
+A plain renderer of its own (`tests/mutation/`: NumPy, double precision, no code of the tracer, the oracle or the rules) is given
+one fault, or two at once, and its pictures are judged and diagnosed as any adapter's. It states an error of at most
+{BUDGET.terms[0].abs:g} + {BUDGET.terms[0].rel:g} |L| and writes float32. Each mutant is tried on the first
+{SCENES_PER_MUTANT} scenes on which it is *visible*: on some pixel that no discontinuity crosses, its picture moves by more than the
+pair's B; of two faults, each must show beside the other. Scenes are corpus and made-up ones in turn, at most 64 × 48 pixels.
 
-A fault counts as *named* where the diagnosis gives exactly the injected causes and leaves nothing unexplained; a cause may also be listed
-among those which the scene provably cannot tell from the one given."""
+A fault counts as *named* where the diagnosis gives exactly the injected causes and leaves nothing unexplained; a cause may also
+be listed among those which the scene provably cannot tell from the one given."""
 
 
 def _figures(results: Results) -> list[tuple[str, str, str]]:
@@ -121,8 +121,8 @@ def _matrix(results: Results) -> str:
     lines = [
         "## Confusion matrix: single faults",
         "",
-        "Every row is an injected cause; what it was named stands beside it with the number of scenes. `a ≡ b`: named a, with b listed as"
-        " what the scene cannot tell from it. Columns that would hold 0 are left out.",
+        "Every row is an injected cause; what it was named stands beside it with the number of scenes. `a ≡ b`: named a, with b"
+        " listed as what the scene cannot tell from it. Columns that would hold 0 are left out.",
         "",
         "| injected | mutants | scenes | detected | named right | named |",
         "| --- | --- | --- | --- | --- | --- |",
@@ -136,7 +136,13 @@ def _matrix(results: Results) -> str:
             lines.append(
                 f"| `{cause}` | {figures.mutants} | {len(some)} | {figures.detected} | {figures.named} | {named or '–'} |"
             )
-    lines += ["", "## Pairs", "", "| injected | scenes | detected | named right | named otherwise |", "| --- | --- | --- | --- | --- |"]
+    lines += [
+        "",
+        "## Pairs",
+        "",
+        "| injected | scenes | detected | named right | named otherwise |",
+        "| --- | --- | --- | --- | --- |",
+    ]
     for name in dict.fromkeys(trial.mutant for trial in pairs(results).trials):
         figures = Figures([trial for trial in pairs(results).trials if trial.mutant == name])
         otherwise = Counter(_label(trial) for trial in figures.trials if not trial.named)
@@ -178,16 +184,17 @@ def _others(results: Results) -> str:
     lines = [
         "## Beside other tools",
         "",
-        "The same visible mutants against the truth, at the thresholds that are customary: `idiff` of OpenImageIO with its defaults"
-        " (any band off by 1e-6 fails), the same with `-fail 0.004 -failpercent 0.2`, the mean of HDR-FLIP, and SSIM (11 × 11"
-        " Gaussian window, the truth's range). None of them says why.",
+        "The same visible mutants against the truth, at the thresholds that are customary: `idiff` of OpenImageIO with its"
+        " defaults (any band off by 1e-6 fails), with `-fail 0.004 -failpercent 0.2`, the mean of HDR-FLIP, and SSIM"
+        " (11 × 11 Gaussian window, the truth's range). None of them says why.",
         "",
         "| tool | single faults let through | pairs let through | unmutated cases refused |",
         "| --- | --- | --- | --- |",
     ]
     one, two = singles(results).trials, pairs(results).trials
     ours = [sum(not trial.detected for trial in some) for some in (one, two)]
-    lines.append(f"| equilux | {_share(ours[0], len(one))} | {_share(ours[1], len(two))} | {len(results.false_alarms)} of {results.unmutated} |")
+    alarms = f"{len(results.false_alarms)} of {results.unmutated}"
+    lines.append(f"| equilux | {_share(ours[0], len(one))} | {_share(ours[1], len(two))} | {alarms} |")
     for tool in NAMES:
         through = [_share(sum(trial.rivals.get(tool, False) for trial in some), len(some)) for some in (one, two)]
         lines.append(f"| {tool} | {through[0]} | {through[1]} | {results.rival_alarms.get(tool, 0)} of {results.unmutated} |")

@@ -1,4 +1,4 @@
-"""A correct renderer, slow and plain, that can be given faults: models phong, opengl and raytraced, in NumPy and double precision.
+"""A correct renderer, slow and plain, that can be given faults: models phong, opengl and raytraced, in NumPy, double precision.
 
 It shares no code with the tracer, the oracle or the rules of the causes.
 """
@@ -94,9 +94,7 @@ def _materials(case: Case, object_id: npt.NDArray[np.int64]) -> list[Any]:
     return [case.scene.materials[case.scene.objects[k].material] for k in object_id]
 
 
-def _lit_at_vertices(
-    case: Case, hits: Hits, at: npt.NDArray[np.intp], origin: Array, direction: Array, faults: Faults
-) -> Array:
+def _lit_at_vertices(case: Case, hits: Hits, at: npt.NDArray[np.intp], origin: Array, direction: Array, faults: Faults) -> Array:
     """The radiance that leaves the triangle's three corners, interpolated."""
     result = np.zeros((len(at), 3))
     for corner in range(3):

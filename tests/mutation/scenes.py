@@ -89,9 +89,15 @@ def case_of(spec: Spec) -> Case:
 def _stage(rng: random.Random, model: str, variant: str) -> Spec:
     azimuth, height = rng.uniform(-0.6, 0.6), rng.uniform(0.9, 1.6)
     eye = [3.4 * math.sin(azimuth), height, 3.4 * math.cos(azimuth)]
-    view: Spec = {"eye": eye, "target": [rng.uniform(-0.15, 0.15), rng.uniform(-0.1, 0.1), 0.0], "up": [rng.uniform(-0.2, 0.2), 1, 0]}
-    lens = {"projection": "orthographic", "height_m": 2.2} if variant == "parallel" else {"projection": "perspective", "fov_y_deg": 38}
-    bright = 0.25 if variant == "dim" else 1.0
+    view: Spec = {
+        "eye": eye,
+        "target": [rng.uniform(-0.15, 0.15), rng.uniform(-0.1, 0.1), 0.0],
+        "up": [rng.uniform(-0.2, 0.2), 1, 0],
+    }
+    lens: Spec = {"projection": "perspective", "fov_y_deg": 38}
+    if variant == "parallel":
+        lens = {"projection": "orthographic", "height_m": 2.2}
+    bright, gl = 0.25 if variant == "dim" else 1.0, model == "opengl"
     spec: Spec = {
         "equilux": 1,
         "model": model,
@@ -100,7 +106,7 @@ def _stage(rng: random.Random, model: str, variant: str) -> Spec:
         "ambient": _bands(rng, 0.2, 0.5),
         "background": [round(bright * b, 3) for b in _bands(rng, 0.05, 0.4)],
         "lights": _lights(rng, model, bright),
-        "materials": {name: _matt(rng, bright) for name in ("clay", "wood", "paint", "floor")},
+        "materials": {name: _matt(rng, bright, gl) for name in ("clay", "wood", "paint", "floor")},
     }
     spec["objects"] = _things(rng, model)
     if model == "raytraced":
@@ -113,10 +119,10 @@ def _lights(rng: random.Random, model: str, bright: float) -> dict[str, Spec]:
     fall = {"constant": rng.uniform(0.2, 0.6), "linear": rng.uniform(0.1, 0.4), "quadratic": rng.uniform(0.3, 0.8)}
     spot_at = [-side * rng.uniform(0.4, 1.2), rng.uniform(1.4, 2.0), rng.uniform(0.5, 1.5)]
     aim = [rng.uniform(-0.4, 0.4), -0.4, rng.uniform(-0.2, 0.4)]
+    exponent = rng.uniform(140, 220) if model != "opengl" and rng.random() < 0.3 else rng.uniform(4, 30)
     lamp = {
         "kind": "spot", "position": spot_at, "direction": [a - p for a, p in zip(aim, spot_at, strict=True)],
-        "intensity": _bands(rng, 2 * bright, 6 * bright), "cone_half_angle_deg": rng.uniform(18, 28), "exponent": rng.uniform(140, 220)
-        if rng.random() < 0.3 else rng.uniform(4, 30),
+        "intensity": _bands(rng, 2 * bright, 6 * bright), "cone_half_angle_deg": rng.uniform(18, 28), "exponent": exponent,
     }  # fmt: skip
     sun = {"kind": "directional", "direction": [rng.uniform(-0.5, 0.5), -1, -side * rng.uniform(0.3, 0.8)]}
     lights: dict[str, Spec] = {
@@ -133,10 +139,10 @@ def _lights(rng: random.Random, model: str, bright: float) -> dict[str, Spec]:
     return lights
 
 
-def _matt(rng: random.Random, bright: float) -> Spec:
+def _matt(rng: random.Random, bright: float, gl: bool = False) -> Spec:
+    exponent = round(math.exp(rng.uniform(1.5, 5.5)), 2) if rng.random() < 0.6 else rng.uniform(4, 40)
     return {
-        "diffuse": _bands(rng, 0.2, 0.7), "specular": _bands(rng, 0.2, 0.6), "exponent": round(math.exp(rng.uniform(1.5, 5.5)), 2)
-        if rng.random() < 0.6 else rng.uniform(4, 40),
+        "diffuse": _bands(rng, 0.2, 0.7), "specular": _bands(rng, 0.2, 0.6), "exponent": min(exponent, 128) if gl else exponent,
         "ambient": _bands(rng, 0.1, 0.5), "emission": [round(bright * b, 4) for b in _bands(rng, 0.01, 0.08)],
     }  # fmt: skip
 
@@ -149,20 +155,23 @@ def _things(rng: random.Random, model: str) -> list[Spec]:
     radius = rng.uniform(0.25, 0.36)
     size = [rng.uniform(0.12, 0.25) for _ in range(3)]
     turn = {"rotate": {"axis": [rng.uniform(0.1, 1), 1, rng.uniform(-1, 1)], "degrees": rng.uniform(20, 70)}}
-    facing = [rng.uniform(-0.5, 0.5), rng.uniform(0.1, 0.5), -1.0]  # its normal looks away from the eye
+    away = [rng.uniform(-0.5, 0.5), rng.uniform(0.1, 0.5), -1.0]  # from the eye
+    up = [rng.uniform(-0.05, 0.05), 1, rng.uniform(-0.05, 0.05)]
     things: list[Spec] = [
-        {"kind": "plane", "point": [0, -0.55, 0], "normal": [rng.uniform(-0.05, 0.05), 1, rng.uniform(-0.05, 0.05)], "material": "floor"},
+        {"kind": "plane", "point": [0, -0.55, 0], "normal": up, "material": "floor"},
         {"kind": "sphere", "center": ball, "radius": radius, "material": "clay"},
         {"kind": "box", "min": [-s for s in size], "max": size, "transform": [turn, {"translate": box}], "material": "wood"},
         {"kind": "cylinder", "base": [tube[0], -0.4, tube[2]], "top": [tube[0] + rng.uniform(-0.2, 0.2), 0.2, tube[2]],
          "radius": rng.uniform(0.12, 0.2), "capped": True, "material": "paint"},
-        {"kind": "disc", "center": disc, "normal": facing, "radius": rng.uniform(0.2, 0.35), "material": "clay"},
+        {"kind": "disc", "center": disc, "normal": away, "radius": rng.uniform(0.2, 0.35), "material": "clay"},
         {"kind": "rectangle", "corner": sheet, "edge_u": [0.5, 0.1, 0], "edge_v": [-0.06, 0.3, -0.2], "material": "wood"},
     ]  # fmt: skip
     for normals, where, stretch in (("smooth", gem, 1.0), ("flat", [gem[0] - 0.2, 0.35, gem[2] - 0.5], 0.7)):
         vertices, faces = _gem(rng)
         step = [{"scale": [stretch * rng.uniform(0.22, 0.36) for _ in range(3)]}, turn, {"translate": where}]
-        things.append({"kind": "mesh", "vertices": vertices, "faces": faces, "normals": normals, "transform": step, "material": "paint"})
+        things.append(
+            {"kind": "mesh", "vertices": vertices, "faces": faces, "normals": normals, "transform": step, "material": "paint"}
+        )
     return things
 
 
@@ -199,7 +208,9 @@ def _make_transport(rng: random.Random, spec: Spec, variant: str) -> None:
         "gauze": {**glass, **local, "transparency": rng.uniform(0.4, 0.7), "ior": 1},
     }
     spec["recursion_limit"] = rng.randint(4, 5)
-    for thing, material in zip(spec["objects"], ("floor", "glass", "glass", "mirror", "gauze", "mirror", "paint", "clay"), strict=True):
+    for thing, material in zip(
+        spec["objects"], ("floor", "glass", "glass", "mirror", "gauze", "mirror", "paint", "clay"), strict=True
+    ):
         thing["material"] = material
     spec["materials"]["floor"]["reflection"] = _bands(rng, 0.05, 0.25)
     if variant == "pool":

@@ -86,10 +86,8 @@ def view_vector(case: Case, surface: Surface, faults: Faults) -> Array:
     """V of the highlight."""
     camera = case.scene.camera
     eye = np.array(camera.eye, dtype=float)
-    if case.scene.model == "opengl":
-        rule = "eye" if case.scene.viewer == "local" else "axis"
-    else:
-        rule = "model"
+    own = {"local": "eye", "infinite": "axis"}[case.scene.viewer]
+    rule = own if case.scene.model == "opengl" else "model"
     if faults.viewer != "model" and (surface.first_hit or "first" not in faults.viewer):
         rule = faults.viewer.split()[0]
     if rule == "eye":

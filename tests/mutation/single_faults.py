@@ -130,50 +130,135 @@ HIGHLIGHT = (
     _m("transmitted-highlight-missing", "", Faults(lobe_behind=False), RAYTRACED, "transparency", "material.specular"),
     _m("transparent-highlight-unweighted", "", Faults(lobe_weighted=False), RAYTRACED, "transparency", "material.specular"),
     _m("view-vector-from-eye", "", Faults(viewer="eye"), ("phong", "raytraced"), "camera.orthographic", variant="parallel"),
-    _m("view-vector-from-eye", "camera rays only", Faults(viewer="eye at the first hit"), ("phong", "raytraced"),
-       "camera.orthographic", variant="parallel"),
+    _m(
+        "view-vector-from-eye",
+        "camera rays only",
+        Faults(viewer="eye at the first hit"),
+        ("phong", "raytraced"),
+        "camera.orthographic",
+        variant="parallel",
+    ),
     _m("view-vector-fixed", "", Faults(viewer="axis"), LOCAL, "camera.perspective", "material.specular"),
-    _m("view-vector-fixed", "camera rays only", Faults(viewer="axis at the first hit"), ("phong", "raytraced"),
-       "camera.perspective", "material.specular"),
-)  # fmt: skip
+    _m(
+        "view-vector-fixed",
+        "camera rays only",
+        Faults(viewer="axis at the first hit"),
+        ("phong", "raytraced"),
+        "camera.perspective",
+        "material.specular",
+    ),
+)
 
 LIGHT = (
     _m("light-missing", "the first", _case(edits.without_light(0)), suits=_two_lights),
     _m("light-missing", "the last", _case(edits.without_light(-1)), suits=_two_lights),
     _m("light-missing", "the second", _case(edits.without_light(1)), suits=_two_lights),
     _m("attenuation-ignored", "", _case(edits.falloff(constant=1.0, linear=0.0, quadratic=0.0)), ALL, "light.point|light.spot"),
-    _m("attenuation-term-missing", "constant", _case(edits.falloff(constant=0.0)), suits=_terms_of_falloff("constant", "quadratic")),
+    _m(
+        "attenuation-term-missing",
+        "constant",
+        _case(edits.falloff(constant=0.0)),
+        suits=_terms_of_falloff("constant", "quadratic"),
+    ),
     _m("attenuation-term-missing", "linear", _case(edits.falloff(linear=0.0)), suits=_terms_of_falloff("linear", "quadratic")),
-    _m("attenuation-term-missing", "quadratic", _case(edits.falloff(quadratic=0.0)), suits=_terms_of_falloff("constant", "quadratic")),
+    _m(
+        "attenuation-term-missing",
+        "quadratic",
+        _case(edits.falloff(quadratic=0.0)),
+        suits=_terms_of_falloff("constant", "quadratic"),
+    ),
     _m("spot-ignored", "", _case(edits.lights(edits.as_point, ("spot",))), ALL, "light.spot"),
-    _m("spot-cone-doubled", "", _case(edits.spots_by(lambda s: {"cone_half_angle_deg": min(2 * s.cone_half_angle_deg, 180.0)})),
-       ALL, "light.spot"),
-    _m("spot-cone-halved", "", _case(edits.spots_by(lambda s: {"cone_half_angle_deg": s.cone_half_angle_deg / 2})), ALL, "light.spot"),
+    _m(
+        "spot-cone-doubled",
+        "",
+        _case(edits.spots_by(lambda s: {"cone_half_angle_deg": min(2 * s.cone_half_angle_deg, 180.0)})),
+        ALL,
+        "light.spot",
+    ),
+    _m(
+        "spot-cone-halved",
+        "",
+        _case(edits.spots_by(lambda s: {"cone_half_angle_deg": s.cone_half_angle_deg / 2})),
+        ALL,
+        "light.spot",
+    ),
     _m("spot-exponent-ignored", "", _case(edits.spots(exponent=0.0)), ALL, "light.spot-exponent"),
-    _m("spot-exponent-clamped", "128", _case(edits.spots_by(lambda s: {"exponent": min(s.exponent, 128.0)})), ALL, "light.spot-exponent"),
-    _m("spot-exponent-clamped", "8", _case(edits.spots_by(lambda s: {"exponent": min(s.exponent, 8.0)})), ALL, "light.spot-exponent"),
+    _m(
+        "spot-exponent-clamped",
+        "128",
+        _case(edits.spots_by(lambda s: {"exponent": min(s.exponent, 128.0)})),
+        ALL,
+        "light.spot-exponent",
+    ),
+    _m(
+        "spot-exponent-clamped",
+        "8",
+        _case(edits.spots_by(lambda s: {"exponent": min(s.exponent, 8.0)})),
+        ALL,
+        "light.spot-exponent",
+    ),
     _m("spot-cone-ignored", "always, exponent kept", _case(edits.spots(cone_half_angle_deg=180.0)), ALL, "light.spot-exponent"),
-    _m("spot-cone-ignored", "from 20°, exponent kept",
-       _case(edits.spots_by(lambda s: {"cone_half_angle_deg": 180.0} if s.cone_half_angle_deg >= 20 else {})), ALL, "light.spot-exponent"),
-    _m("spot-cone-ignored", "from 20°, exponent lost",
-       _case(edits.lights(lambda s: edits.as_point(s) if s.cone_half_angle_deg >= 20 else s, ("spot",))), ALL, "light.spot"),
+    _m(
+        "spot-cone-ignored",
+        "from 20°, exponent kept",
+        _case(edits.spots_by(lambda s: {"cone_half_angle_deg": 180.0} if s.cone_half_angle_deg >= 20 else {})),
+        ALL,
+        "light.spot-exponent",
+    ),
+    _m(
+        "spot-cone-ignored",
+        "from 20°, exponent lost",
+        _case(edits.lights(lambda s: edits.as_point(s) if s.cone_half_angle_deg >= 20 else s, ("spot",))),
+        ALL,
+        "light.spot",
+    ),
     _m("light-colours-ignored", "ambient", Faults(ambient_of_lights=False), ("opengl",), "light.ambient-colour"),
-    _m("light-colours-ignored", "specular, as if 1", _case(edits.lights(lambda x: x.model_copy(update={"specular": (1.0, 1.0, 1.0)}))),
-       ("opengl",), "light.specular-colour"),
-    _m("light-colours-ignored", "specular, the diffuse one instead",
-       _case(edits.lights(lambda x: x.model_copy(update={"specular": x.diffuse}))), ("opengl",), "light.specular-colour|light.diffuse-colour"),
-    _m("light-colours-ignored", "diffuse, as if 1", _case(edits.lights(lambda x: x.model_copy(update={"diffuse": (1.0, 1.0, 1.0)}))),
-       ("opengl",), "light.diffuse-colour"),
-    _m("light-colours-ignored", "all three", _case(edits.lights(lambda x: x.model_copy(
-        update={"ambient": (0.0, 0.0, 0.0), "diffuse": (1.0, 1.0, 1.0), "specular": (1.0, 1.0, 1.0)}))),
-       ("opengl",), "light.ambient-colour|light.diffuse-colour|light.specular-colour"),
-    _m("ambient-missing", "the scene's", _case(lambda case: edits.with_scene(case, ambient=(0.0, 0.0, 0.0))),
-       ALL, "material.ambient"),
+    _m(
+        "light-colours-ignored",
+        "specular, as if 1",
+        _case(edits.lights(lambda x: x.model_copy(update={"specular": (1.0, 1.0, 1.0)}))),
+        ("opengl",),
+        "light.specular-colour",
+    ),
+    _m(
+        "light-colours-ignored",
+        "specular, the diffuse one instead",
+        _case(edits.lights(lambda x: x.model_copy(update={"specular": x.diffuse}))),
+        ("opengl",),
+        "light.specular-colour|light.diffuse-colour",
+    ),
+    _m(
+        "light-colours-ignored",
+        "diffuse, as if 1",
+        _case(edits.lights(lambda x: x.model_copy(update={"diffuse": (1.0, 1.0, 1.0)}))),
+        ("opengl",),
+        "light.diffuse-colour",
+    ),
+    _m(
+        "light-colours-ignored",
+        "all three",
+        _case(
+            edits.lights(
+                lambda x: x.model_copy(
+                    update={"ambient": (0.0, 0.0, 0.0), "diffuse": (1.0, 1.0, 1.0), "specular": (1.0, 1.0, 1.0)}
+                )
+            )
+        ),
+        ("opengl",),
+        "light.ambient-colour|light.diffuse-colour|light.specular-colour",
+    ),
+    _m(
+        "ambient-missing",
+        "the scene's",
+        _case(lambda case: edits.with_scene(case, ambient=(0.0, 0.0, 0.0))),
+        ALL,
+        "material.ambient",
+    ),
     _m("ambient-missing", "the materials'", _material(lambda m: {"ambient": (0.0, 0.0, 0.0)}), ALL, "material.ambient"),
     _m("ambient-tinted", "", _material(lambda m: {"ambient": edits.product(m.ambient, m.diffuse)}), ALL, "material.ambient"),
     _m("emission-missing", "", _material(lambda m: {"emission": (0.0, 0.0, 0.0)}), ALL, "material.emission"),
     _m("emission-tinted", "", _material(lambda m: {"emission": edits.product(m.emission, m.diffuse)}), ALL, "material.emission"),
-)  # fmt: skip
+)
 
 TRANSPORT = (
     _m("occlusion-ignored", "", Faults(blockers=False), RAYTRACED, "occlusion"),
@@ -187,8 +272,16 @@ TRANSPORT = (
     _m("refraction-missing", "left out", Faults(glass="opaque"), RAYTRACED, "transparency"),
     _m("refraction-missing", "left out, total reflection too", Faults(glass="opaque, total too"), RAYTRACED, "transparency"),
     _m("refraction-missing", "not bent", Faults(glass="straight"), RAYTRACED, "refraction"),
-    *(_m("recursion-cut", str(n), _case(lambda case, n=n: edits.with_scene(case, recursion_limit=min(n, case.scene.recursion_limit))),
-         RAYTRACED, "reflection|transparency") for n in (0, 1, 2)),
+    *(
+        _m(
+            "recursion-cut",
+            str(n),
+            _case(lambda case, n=n: edits.with_scene(case, recursion_limit=min(n, case.scene.recursion_limit))),
+            RAYTRACED,
+            "reflection|transparency",
+        )
+        for n in (0, 1, 2)
+    ),
     _m("weight-cut", "1/255", Faults(least_weight=1 / 255), RAYTRACED, "reflection|transparency"),
     _m("weight-cut", "0.05", Faults(least_weight=0.05), RAYTRACED, "reflection|transparency"),
     _m("weight-cut", "0.2", Faults(least_weight=0.2), RAYTRACED, "reflection|transparency"),
@@ -209,7 +302,14 @@ TRANSPORT = (
     _m("background-missing", "black", _case(lambda case: edits.with_scene(case, background=(0.0, 0.0, 0.0))), ALL, "background"),
     _m("background-missing", "grey", _case(lambda case: edits.with_scene(case, background=(0.2, 0.2, 0.2))), ALL),
     _m("background-missing", "black for the eye only", Faults(background="black for the eye"), RAYTRACED, "background"),
-    _m("background-missing", "black in mirrors only", Faults(background="black in mirrors"), RAYTRACED, "background", "reflection"),
-)  # fmt: skip
+    _m(
+        "background-missing",
+        "black in mirrors only",
+        Faults(background="black in mirrors"),
+        RAYTRACED,
+        "background",
+        "reflection",
+    ),
+)
 
 SINGLE_FAULTS: tuple[Mutant, ...] = (*IMAGE, *GEOMETRY, *HIGHLIGHT, *LIGHT, *TRANSPORT)

@@ -14,6 +14,7 @@ import os
 import sys
 import tempfile
 from collections.abc import Callable, Iterator
+from concurrent.futures import Executor, ProcessPoolExecutor
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
@@ -103,31 +104,41 @@ def run(only: str = "", *, naming: bool = True, jobs: int | None = None) -> Resu
     names = [name for name in MUTANTS if only in name]
     results = Results()
     context = multiprocessing.get_context("forkserver")
-    with context.Pool(jobs or os.cpu_count(), _start, maxtasksperchild=None) as pool:
+    with ProcessPoolExecutor(jobs or os.cpu_count(), context, _start) as pool:  # not multiprocessing.Pool: FLIP needs a child
         if not only:
             _unmutated(results, pool)
             available = [name for name in BROKEN_ON if name in corpus()]
             chains = list(zip(available, available[1:] + available[:1], strict=True))
-            for tried, wrong in pool.imap(broken_passed, chains):
+            for tried, wrong in pool.map(broken_passed, chains):
                 results.broken += tried
                 results.passed += wrong
-        found = pool.imap(partial(mutant_trials, naming=naming), names)
+        found = pool.map(partial(mutant_trials, naming=naming), names)
         for name, some in zip(names, found, strict=True):
-            right = sum(trial.named for trial in some)
-            print(f"{name}: {len(some)} scenes, {sum(t.detected for t in some)} detected, {right} named", file=sys.stderr, flush=True)
+            _tell(name, some)
             results.trials += some
     return results
 
 
-def _unmutated(results: Results, pool: Any) -> None:
+def _unmutated(results: Results, pool: Executor) -> None:
     count = len(list(unmutated_cases()))
     results.rival_alarms = dict.fromkeys(rivals.NAMES, 0)
-    for alarm, refused in pool.imap(false_alarm, range(count)):
+    for alarm, refused in pool.map(false_alarm, range(count)):
         results.unmutated += 1
         results.false_alarms += [alarm] if alarm else []
         for tool in refused:
             results.rival_alarms[tool] += 1
     print(f"{count} unmutated: {len(results.false_alarms)} diverge", file=sys.stderr, flush=True)
+
+
+def _tell(name: str, some: list[Trial]) -> None:
+    """Progress, and what went wrong."""
+    detected, named = sum(trial.detected for trial in some), sum(trial.named for trial in some)
+    slowest = max((trial.seconds for trial in some), default=0.0)
+    lines = [f"{name}: {len(some)} scenes, {detected} detected, {named} named, slowest diagnosis {slowest:.1f} s"]
+    for trial in some:
+        if not trial.named and trial.found:
+            lines.append(f"    {trial.case}, {trial.visible} pixels, explained {trial.explained:.3f}: {trial.found}")
+    print("\n".join(lines), file=sys.stderr, flush=True)
 
 
 def main(tell: Callable[[str], None] = print) -> int:

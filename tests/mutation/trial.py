@@ -29,8 +29,8 @@ BUDGET = Budget(
     (
         Bound(
             "arithmetic",
-            "double precision: hit points to 2^-53 of coordinates below 10, which up to six bounces off things of 0.2 m amplify by "
-            "20 each, highlights by their exponent; a tenth of single precision's own rounding is far above that and costs nothing",
+            "double precision: hit points to 2^-53 of coordinates below 10, which a few bounces off things of 0.2 m amplify by "
+            "20 each, and highlights by their exponent: a single-precision unit or two is far above that and hides nothing",
             abs=1e-8,
             rel=1e-7,
         ),
