@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import product
 
 import numpy as np
 
@@ -118,17 +119,19 @@ def started(bench: Bench, causes: Causes, free: int) -> list[Trial]:
     except Exception as problem:
         bench.refused[causes] = f"estimates: {type(problem).__name__}: {problem}"
         return []
+    if isinstance(rule.parameter, Vector):
+        values += _about_neutral(causes[free], rule.parameter)
     if causes[free].parameter is not None:
         values.insert(0, causes[free])
     trials = [bench.passing_trial((*causes[:free], value, *causes[free + 1 :])) for value in dict.fromkeys(values)]
     return sorted((trial for trial in trials if trial is not None), key=lambda trial: trial.distance)
 
 
-def fitted(bench: Bench, causes: Causes, free: int) -> Trial | None:
+def fitted(bench: Bench, causes: Causes, free: int, trials: Sequence[Trial] | None = None) -> Trial | None:
     """Cause `free` fitted with the others as they are: the best starting values refined, then rounded where that explains as
-    much.
+    much. trials: what `started` gave, where it was asked before.
     """
-    trials = started(bench, causes, free)
+    trials = started(bench, causes, free) if trials is None else trials
     if not trials:
         return None
     starts = {trial.causes: trial for trial in (*trials[:2], min(trials, key=lambda trial: trial.badness))}
@@ -142,6 +145,15 @@ def fitted(bench: Bench, causes: Causes, free: int) -> Trial | None:
     if len(knobs) == 1 and best.missed:
         best = min((best, _golden(bench, best, knobs[0], trials)), key=lambda trial: trial.badness)
     return rounded(bench, best, knobs)
+
+
+def _about_neutral(hypothesis: Applied, kind: Vector) -> list[Applied]:
+    """Two steps to every side of where nothing is changed: where another fault misleads the rule's own estimate."""
+    if kind.neutral is None:
+        return []
+    steps = product((-2, 0, 2), repeat=len(kind.neutral))
+    moved = (tuple(at + n * kind.step for at, n in zip(kind.neutral, many, strict=True)) for many in steps if any(many))
+    return [replace(hypothesis, parameter=parameter) for parameter in moved]
 
 
 # --- refinement -------------------------------------------------------------------------------------------------------

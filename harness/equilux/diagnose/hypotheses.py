@@ -31,21 +31,29 @@ class Preference:
             declared.cause == applied.cause and declared.parameter in (None, applied.parameter) for declared in self.dialect
         )
 
-    def of(self, applied: Applied) -> tuple[bool, bool, bool, int, int]:
-        """Sorts the preferred one first."""
+    def of(self, applied: Applied) -> tuple[bool, bool, int, int, int]:
+        """Sorts the preferred one first. A parameter that names a light or an order is worth less than none, and more than a
+        number, which can be fitted."""
         rule = self.rules[applied.cause]
         readings = list(rule.readings)
         return (
             not self.declares(applied),
             applied.cause not in self.expected,
-            applied.parameter is not None,
+            0 if applied.parameter is None else 1 if isinstance(applied.parameter, str) else 2,
             list(self.rules).index(applied.cause),
             readings.index(applied.reading) if applied.reading in readings else len(readings),
         )
 
-    def of_all(self, causes: Causes) -> tuple[int, int, int, list[tuple[bool, bool, bool, int, int]]]:
+    def of_all(self, causes: Causes) -> tuple[int, int, int, list[tuple[bool, bool, int, int, int]]]:
         each = sorted(self.of(applied) for applied in causes)
         return (*(sum(one[index] for one in each) for index in range(3)), each)  # type: ignore[return-value]
+
+
+USUAL: Mapping[str, tuple[Applied, ...]] = {
+    "gamma-encoded": tuple(Applied("gamma-encoded", curve) for curve in ("srgb", "2.2")),
+    "quantised": (Applied("quantised", 8),),
+}
+"""Values to be tried in any case where two causes come together: beside another fault a rule's own estimate may be misled."""
 
 
 @dataclass(frozen=True, eq=False)

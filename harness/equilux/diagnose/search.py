@@ -6,16 +6,18 @@ import time
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 
+import numpy as np
+
 from equilux.compare import PairResult, RenderedImage
 from equilux.diagnose import report
 from equilux.diagnose.bounds import PairBounds
 from equilux.diagnose.catalogue import all_rules
 from equilux.diagnose.diagnosis import Diagnosis
 from equilux.diagnose.evidence import gather
-from equilux.diagnose.fit import fitted, knobs_of, refine, rounded
-from equilux.diagnose.hypotheses import Preference, Single, every_hypothesis, ranked_pairs, single
+from equilux.diagnose.fit import fitted, knobs_of, refine, rounded, started
+from equilux.diagnose.hypotheses import USUAL, Preference, Single, both_orders, every_hypothesis, ranked_pairs, single
 from equilux.diagnose.proof import Court, Proof, Restate
-from equilux.diagnose.trials import Bench, Causes, Trial, changes_values, ordered
+from equilux.diagnose.trials import Bench, Causes, Trial, ordered
 from equilux_scenes.case import Case
 from equilux_tracer import Tracer
 from equilux_tracer.causes import Applied, Rule
@@ -26,9 +28,12 @@ PROOFS = 8
 PLAUSIBLE = 0.05
 """Share of the sampled pixels, wrong and right, that a hypothesis may miss and still be worth a proof: edges are only excused
 there."""
-CHEAP_PAIRS, FITTED_PAIRS = 400, 40
+CHEAP_PAIRS, REFITTED = 400, 12
+"""Pairs that are tried as they stand; sets whose numbers are fitted to each other."""
 SEEDS = 6
-"""Pairs that triples are made from."""
+"""Sets to which one more cause is added: so many with the fewest pixels missed, so many nearest."""
+PROMISING = 0.98
+"""A number is fitted beside other causes if a starting value brings the picture at least this much nearer."""
 PARTIAL = 0.1
 """Least share of the diverging pixels that causes must bring within uncertainty to be named where they do not account for all:
 a wrong cause with a fitted parameter hits some by chance."""
@@ -119,6 +124,8 @@ class Search:
     court: Court
     preference: Preference
     singles: list[Single] = field(default_factory=list)
+    numeric: list[Applied] = field(default_factory=list)
+    """Hypotheses whose parameter is to be found: beside other causes it may be another one than alone."""
     tried: dict[Causes, Trial] = field(default_factory=dict)
     """The sets that stand for partial explanations."""
     dialect_agrees: bool | None = None
@@ -178,65 +185,100 @@ class Search:
         for hypothesis in every_hypothesis(self.bench, self.preference):
             if self.bench.out_of_time:
                 break
+            if hypothesis.parameter is None and self.bench.rules[hypothesis.cause].parameter is not None:
+                self.numeric.append(hypothesis)
             found = single(self.bench, hypothesis, model)
             if found is not None:
                 self.singles.append(found)
                 self.tried[found.trial.causes] = found.trial
 
+    def _try_usual(self, model: Trial) -> None:
+        """Usual values of what has a number, beside the fitted ones."""
+        known = {one.applied for one in self.singles}
+        for usual in (applied for id_, values in USUAL.items() if id_ in self.bench.rules for applied in values):
+            found = single(self.bench, usual, model) if usual not in known else None
+            if found is not None:
+                self.singles.append(found)
+
     def _pairs(self, model: Trial) -> list[Trial]:
-        """Pairs as they stand, then with their numbers fitted to each other."""
-        candidates = ranked_pairs(self.bench, self.singles, model)
-        plain = self._tried_all(candidates[:CHEAP_PAIRS])
-        if any(self.plausible(trial) for trial in plain):
-            return plain
-        refitted = []
-        for causes in self._worth_fitting(candidates, plain):
-            if self.bench.out_of_time:
-                break
-            trial = self.refitted(causes)
-            if trial is not None:
-                refitted.append(trial)
-                self.tried[trial.causes] = trial
-                if self.plausible(trial):
-                    break
-        return [*plain, *refitted]
-
-    def _worth_fitting(self, candidates: Sequence[Causes], plain: Sequence[Trial]) -> list[Causes]:
-        """Pairs with a number of the picture first (they cost no tracing), then those nearest to an explanation."""
-        rules = self.bench.rules
-
-        def has_numbers(causes: Causes) -> bool:
-            return bool(knobs_of(causes, self.bench))
-
-        def is_cheap(causes: Causes) -> bool:
-            return any(changes_values(rules[applied.cause]) and has_numbers((applied,)) for applied in causes)
-
-        cheap = [causes for causes in candidates if is_cheap(causes)]
-        nearest = [trial.causes for trial in sorted(plain, key=lambda trial: trial.distance) if has_numbers(trial.causes)]
-        return list(dict.fromkeys([*nearest[: FITTED_PAIRS // 2], *cheap[: 4 * FITTED_PAIRS], *nearest[:FITTED_PAIRS]]))
+        """Pairs as they stand; then numbers fitted beside the likeliest single causes."""
+        self._try_usual(model)
+        found = self._tried_all(ranked_pairs(self.bench, self.singles, model)[:CHEAP_PAIRS])
+        if any(self.plausible(trial) for trial in found):
+            return found
+        seeds = [one.trial for one in self.singles]
+        best = [*sorted(seeds, key=_by_badness)[:SEEDS], *sorted(seeds, key=_by_distance)[:SEEDS]]
+        likely = list(dict.fromkeys(trial.causes for trial in [*best, *sorted(seeds, key=self._disorder)[:SEEDS]]))
+        found += self._with_numbers(likely)
+        return found if any(self.plausible(trial) for trial in found) else [*found, *self._refitted_all(found)]
 
     def _triples(self) -> list[Trial]:
-        """The best pairs, each with every further cause."""
+        """The best pairs, each with every further cause, then with numbers fitted beside them."""
         pairs = [trial for trial in self.tried.values() if len(trial.causes) == 2]
-        seeds = {trial.causes: trial for key in (_by_distance, _by_badness) for trial in sorted(pairs, key=key)[:SEEDS]}
-        plain = []
+        best = [*sorted(pairs, key=_by_badness)[:SEEDS], *sorted(pairs, key=_by_distance)[:SEEDS]]
+        seeds = list(dict.fromkeys(trial.causes for trial in best))
+        found: list[Trial] = []
         for seed in seeds:
-            ids = {applied.cause for applied in seed}
-            more = [one.applied for one in self.singles if one.applied.cause not in ids]
-            plain += self._tried_all(ordered((*seed, applied), self.bench.rules) for applied in more)
-        if any(self.plausible(trial) for trial in plain):
-            return plain
-        refitted = []
-        for trial in sorted(plain, key=_by_distance)[:FITTED_PAIRS]:
+            more = [one.applied for one in self.singles if one.applied.cause not in _ids(seed)]
+            found += self._tried_all(ordered((*seed, applied), self.bench.rules) for applied in more)
+        if any(self.plausible(trial) for trial in found):
+            return found
+        found += self._with_numbers(seeds)
+        return found if any(self.plausible(trial) for trial in found) else [*found, *self._refitted_all(found)]
+
+    def _with_numbers(self, seeds: Sequence[Causes]) -> list[Trial]:
+        """Each seed with each cause that has a number, fitted beside it where its starting values promise anything."""
+        found = []
+        for seed in seeds:
+            alone = self.bench.trial(seed)
+            for hypothesis in self.numeric:
+                if self.bench.out_of_time:
+                    return found
+                if alone is None or hypothesis.cause in _ids(seed):
+                    continue
+                for causes in self._placed(seed, hypothesis):
+                    place = causes.index(hypothesis)
+                    starts = started(self.bench, causes, place)
+                    if not starts or starts[0].distance > PROMISING * alone.distance:
+                        continue
+                    trial = fitted(self.bench, causes, place, starts)
+                    if trial is not None:
+                        trial = self.refitted_together(trial)
+                        found.append(trial)
+                        self.tried[trial.causes] = trial
+                        if self.plausible(trial):
+                            return found
+        return found
+
+    def _placed(self, seed: Causes, hypothesis: Applied) -> list[Causes]:
+        """The seed with one more cause: as a picture is made; of two also the other way round where that matters."""
+        return (
+            both_orders(self.bench, seed[0], hypothesis) if len(seed) == 1 else [ordered((*seed, hypothesis), self.bench.rules)]
+        )
+
+    def _refitted_all(self, trials: Sequence[Trial]) -> list[Trial]:
+        """The nearest of those with numbers, fitted to each other until one is plausible."""
+        nearest = [trial for trial in sorted(trials, key=_by_distance) if knobs_of(trial.causes, self.bench)]
+        found = []
+        for trial in nearest[:REFITTED]:
             if self.bench.out_of_time:
                 break
             better = self.refitted(trial.causes)
             if better is not None:
-                refitted.append(better)
+                found.append(better)
                 self.tried[better.causes] = better
                 if self.plausible(better):
                     break
-        return [*plain, *refitted]
+        return found
+
+    def _disorder(self, trial: Trial) -> tuple[float, float]:
+        """Least where the hypothesis puts the brightnesses into the order in which they were measured: a factor or a curve that
+        is wrong as well does not hide that.
+        """
+        evidence = self.bench.sample.evidence
+        ranks = [np.argsort(np.argsort(picture.sum(axis=1), kind="stable")) for picture in (evidence.measured, trial.radiance)]
+        agreement = float(np.corrcoef(ranks[0], ranks[1])[0, 1]) if len(evidence.measured) > 2 else 0.0
+        return -round(agreement, 3), trial.distance
 
     def _tried_all(self, sets: Iterable[Causes]) -> list[Trial]:
         out = []
@@ -258,10 +300,12 @@ class Search:
             if knobs_of((best.causes[index],), self.bench):
                 found = fitted(self.bench, best.causes, index)
                 best = min((best, found), key=_by_distance) if found is not None else best
-        knobs = knobs_of(best.causes, self.bench)
-        if len({knob.cause for knob in knobs}) > 1:
-            best = rounded(self.bench, refine(self.bench, best, knobs), knobs)
-        return best
+        return self.refitted_together(best)
+
+    def refitted_together(self, trial: Trial) -> Trial:
+        """All numbers refined at once, from where they are."""
+        knobs = knobs_of(trial.causes, self.bench)
+        return rounded(self.bench, refine(self.bench, trial, knobs), knobs) if len({knob.cause for knob in knobs}) > 1 else trial
 
     def plausible(self, trial: Trial) -> bool:
         """Whether the sample speaks for it strongly enough for a proof."""
@@ -307,10 +351,19 @@ class Search:
                 if trial.missed + trial.broken > least:
                     break
                 proof = self.court.proof(trial.causes)
-                if proof is not None and proof.harmless and proof.explained >= PARTIAL:
+                if proof is not None and proof.harmless and self._says_much(proof):
                     best, least = proof, trial.missed + trial.broken - PARTIAL / 2 * diverging
                     break
         return None if best is None else self._finding(best, [])
+
+    def _says_much(self, proof: Proof) -> bool:
+        """Whether many *different* values are accounted for: black is hit by every rule that makes things black."""
+        values = np.unique(self.court.side.image[proof.mended], axis=0)
+        return len(values) >= PARTIAL * proof.diverging
+
+
+def _ids(causes: Causes) -> set[str]:
+    return {applied.cause for applied in causes}
 
 
 def _by_distance(trial: Trial) -> float:

@@ -119,7 +119,7 @@ class Bench:
                 return None
             if len(self._conditional) >= KEPT_TRACERS:
                 del self._conditional[next(iter(self._conditional))]
-            self._conditional[key] = replace(self.sample.evidence, model=channels, truth=truth)
+            self._conditional[key] = replace(self.sample.evidence, case=changed.changed_case, model=channels, truth=truth)
         return self._conditional[key]
 
     def _tried(self, causes: Causes) -> Trial | None:
