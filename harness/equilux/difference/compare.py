@@ -111,12 +111,10 @@ def _case(a: CaseRecord, b: CaseRecord, both_ran: set[str]) -> Iterator[Change]:
 def _render(case: CaseRecord, a: RenderRecord | None, b: RenderRecord | None, adapter: str) -> Iterator[Change]:
     before, after = (render.status if render is not None else "not asked" for render in (a, b))
     if before != after:
-        reason = (
-            (b.reason if b is not None and b.reason else "")
-            if after != "ok"
-            else (a.reason if a is not None and a.reason else "")
-        )
-        yield Change("status", f"{adapter}: {arrow(before, after)}", True, case.case, adapter, before, after, reason)
+        told = b if after != "ok" else a  # the reason of whichever did not go well
+        reason = (told.reason or "") if told is not None else ""
+        detail = f"it was: {reason}" if reason and after == "ok" else reason
+        yield Change("status", f"{adapter}: {arrow(before, after)}", True, case.case, adapter, before, after, detail)
     if a is None or b is None:
         return
     if a.standing is not None and b.standing is not None and a.standing.finding != b.standing.finding:
