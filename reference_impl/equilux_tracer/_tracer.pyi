@@ -62,6 +62,11 @@ class Cancel:
     @property
     def cancelled(self) -> bool: ...
 
+class Mesh:
+    """Triangles in object coordinates; any number of descriptions may hold them."""
+
+    def __init__(self, *, vertices: _Doubles, faces: npt.NDArray[np.int64], vertex_normals: _Doubles | None) -> None: ...
+
 class SceneDescription:
     """The scene as plain numbers, world coordinates, SI units."""
 
@@ -107,7 +112,7 @@ class SceneDescription:
         ior: float = 1.0,
         brdf: Brdf = ...,
     ) -> int: ...
-    def add_mesh(self, *, vertices: _Doubles, faces: npt.NDArray[np.int64], vertex_normals: _Doubles | None) -> int: ...
+    def add_mesh(self, mesh: Mesh) -> int: ...
     def add_object(
         self,
         *,

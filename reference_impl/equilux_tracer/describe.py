@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from typing import Any
+from weakref import WeakKeyDictionary
 
 from equilux_scenes.case import Case
+from equilux_scenes.mesh import TriangleMesh
 from equilux_scenes.model import (
     AreaEmitter,
     Attenuation,
@@ -41,6 +43,10 @@ _BRDFS = {
     "phong-cosine": _tracer.Brdf.phong_cosine,
 }
 
+_COPIES: WeakKeyDictionary[TriangleMesh, _tracer.Mesh] = WeakKeyDictionary()
+"""The tracer's copy of each mesh, as long as the mesh lives: one is enough for all worlds of a case and of its changes. Nobody
+changes the arrays of a TriangleMesh."""
+
 
 def describe(case: Case) -> _tracer.SceneDescription:
     """The case as the tracer wants it. Raises TracerError for a scene that it cannot hold."""
@@ -68,10 +74,17 @@ def describe(case: Case) -> _tracer.SceneDescription:
     for index, obj in enumerate(scene.objects):
         shape = _shape(obj)
         if isinstance(obj, Mesh):
-            mesh = case.meshes[index]
-            shape["mesh"] = description.add_mesh(vertices=mesh.vertices, faces=mesh.faces, vertex_normals=mesh.vertex_normals)
+            shape["mesh"] = description.add_mesh(_copied(case.meshes[index]))
         description.add_object(material=materials[obj.material], matrix=matrix(obj).ravel().tolist(), **shape)
     return description
+
+
+def _copied(mesh: TriangleMesh) -> _tracer.Mesh:
+    copy = _COPIES.get(mesh)
+    if copy is None:
+        copy = _tracer.Mesh(vertices=mesh.vertices, faces=mesh.faces, vertex_normals=mesh.vertex_normals)
+        _COPIES[mesh] = copy
+    return copy
 
 
 def _describe_camera(description: _tracer.SceneDescription, camera: PerspectiveCamera | OrthographicCamera) -> None:

@@ -74,12 +74,13 @@ void write_bounds(const Bounds& bounds, double scale, RTCBounds& out) {
 
 void object_bounds_for_embree(const RTCBoundsFunctionArguments* args) {
   const World& world = *static_cast<const World*>(args->geometryUserPtr);
-  write_bounds(bounds_of_object(world, world.bounded[args->primID]), world.embree_scale, *args->bounds_o);
+  write_bounds(bounds_of_object(world, world.bounded[args->primID]), world.boxes->embree_scale, *args->bounds_o);
 }
 
 void triangle_bounds_for_embree(const RTCBoundsFunctionArguments* args) {
-  const MeshObject& mesh = *static_cast<const MeshObject*>(args->geometryUserPtr);
-  write_bounds(bounds_of_triangle(mesh, args->primID), mesh.world->embree_scale, *args->bounds_o);
+  const MeshTag& tag = *static_cast<const MeshTag*>(args->geometryUserPtr);
+  const World& world = *tag.building;
+  write_bounds(bounds_of_triangle(world.meshes[static_cast<std::size_t>(tag.mesh)], args->primID), world.boxes->embree_scale, *args->bounds_o);
 }
 
 // Boxes for rays from anywhere (ray.h). Scaled to [-1, 1]³ about the scene's middle, a ray starts within 3 of it. Rounding its origin and
@@ -99,12 +100,14 @@ void write_transport_bounds(const Bounds& bounds, const TransportBoxes& boxes, R
 
 void object_bounds_for_transport(const RTCBoundsFunctionArguments* args) {
   const World& world = *static_cast<const World*>(args->geometryUserPtr);
-  write_transport_bounds(bounds_of_object(world, world.bounded[args->primID]), world.transport, *args->bounds_o);
+  write_transport_bounds(bounds_of_object(world, world.bounded[args->primID]), world.boxes->transport, *args->bounds_o);
 }
 
 void triangle_bounds_for_transport(const RTCBoundsFunctionArguments* args) {
-  const MeshObject& mesh = *static_cast<const MeshObject*>(args->geometryUserPtr);
-  write_transport_bounds(bounds_of_triangle(mesh, args->primID), mesh.world->transport, *args->bounds_o);
+  const MeshTag& tag = *static_cast<const MeshTag*>(args->geometryUserPtr);
+  const World& world = *tag.building;
+  write_transport_bounds(bounds_of_triangle(world.meshes[static_cast<std::size_t>(tag.mesh)], args->primID), world.boxes->transport,
+                         *args->bounds_o);
 }
 
 // --- building ---------------------------------------------------------------------------------------------------------
@@ -159,6 +162,18 @@ void commit(RTCScene scene) {
   if (error != RTC_ERROR_NONE) throw TracerError("Embree could not build the scene: error " + std::to_string(error));
 }
 
+void attach_all(World& world, RTCScene scene, RTCBoundsFunction object_bounds, RTCIntersectFunctionN intersect_object,
+                RTCBoundsFunction triangle_bounds, RTCIntersectFunctionN intersect_triangle) {
+  rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);
+  attach(scene, &world, world.bounded.size(), object_bounds, intersect_object);
+  for (std::size_t i = 0; i < world.meshes.size(); ++i) {
+    MeshTag& tag = world.boxes->tags[i];
+    tag = {&world, static_cast<int>(i)};
+    attach(scene, &tag, world.meshes[i].given->faces.size(), triangle_bounds, intersect_triangle);
+  }
+  commit(scene);
+}
+
 bool nothing_bounded(const World& world) {
   return world.bounded.empty() && std::all_of(world.meshes.begin(), world.meshes.end(),
                                               [](const MeshObject& mesh) { return mesh.given->faces.empty(); });
@@ -171,30 +186,20 @@ void World::build_transport_boxes() {
   const Bounds all = bounds_of_world(*this);
   double half = 0;
   for (int k = 0; k < 3; ++k) half = std::max(half, 0.5 * (all.upper[k] - all.lower[k]));
-  transport.centre = {0.5 * (all.lower[0] + all.upper[0]), 0.5 * (all.lower[1] + all.upper[1]), 0.5 * (all.lower[2] + all.upper[2])};
-  transport.scale = half > 0 ? std::ldexp(1.0, -std::ilogb(half) - 1) : 1;
-  transport.padding = transport_padding + 0x1p-48 * transport.scale * extent(all);
-  transport.embree = rtcNewScene(shared_device());
-  rtcSetSceneFlags(transport.embree, RTC_SCENE_FLAG_ROBUST);
-  attach(transport.embree, this, bounded.size(), object_bounds_for_transport, transport_objects);
-  for (MeshObject& mesh : meshes) {
-    attach(transport.embree, &mesh, mesh.given->faces.size(), triangle_bounds_for_transport, transport_mesh);
-  }
-  commit(transport.embree);
+  TransportBoxes& built = boxes->transport;
+  built.centre = {0.5 * (all.lower[0] + all.upper[0]), 0.5 * (all.lower[1] + all.upper[1]), 0.5 * (all.lower[2] + all.upper[2])};
+  built.scale = half > 0 ? std::ldexp(1.0, -std::ilogb(half) - 1) : 1;
+  built.padding = transport_padding + 0x1p-48 * built.scale * extent(all);
+  built.embree = rtcNewScene(shared_device());
+  attach_all(*this, built.embree, object_bounds_for_transport, transport_objects, triangle_bounds_for_transport, transport_mesh);
 }
 
 void World::build_embree() {
   if (nothing_bounded(*this)) return;
-
   const double largest = largest_extent(*this);
-  embree_scale = largest > 0 ? std::ldexp(1.0, -std::ilogb(largest)) : 1;
-  embree = rtcNewScene(shared_device());
-  rtcSetSceneFlags(embree, RTC_SCENE_FLAG_ROBUST);
-  attach(embree, this, bounded.size(), object_bounds_for_embree, intersect_objects);
-  for (MeshObject& mesh : meshes) {
-    attach(embree, &mesh, mesh.given->faces.size(), triangle_bounds_for_embree, intersect_mesh);
-  }
-  commit(embree);
+  boxes->embree_scale = largest > 0 ? std::ldexp(1.0, -std::ilogb(largest)) : 1;
+  boxes->embree = rtcNewScene(shared_device());
+  attach_all(*this, boxes->embree, object_bounds_for_embree, intersect_objects, triangle_bounds_for_embree, intersect_mesh);
 }
 
 }  // namespace equilux

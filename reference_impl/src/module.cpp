@@ -3,6 +3,7 @@
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/array.h>
 #include <nanobind/stl/optional.h>
+#include <nanobind/stl/shared_ptr.h>
 #include <nanobind/stl/string.h>
 
 #include <algorithm>
@@ -41,9 +42,8 @@ std::vector<Vec3d> points(const ConstDoubles& array, const char* what) {
   return result;
 }
 
-int add_mesh(SceneDescription& scene, const ConstDoubles& vertices, const ConstInts& faces,
-             const std::optional<ConstDoubles>& vertex_normals) {
-  MeshDescription mesh;
+void fill_mesh(MeshDescription& mesh, const ConstDoubles& vertices, const ConstInts& faces,
+               const std::optional<ConstDoubles>& vertex_normals) {
   mesh.vertices = points(vertices, "mesh vertices");
   if (vertex_normals) mesh.vertex_normals = points(*vertex_normals, "mesh vertex normals");
   if (vertex_normals && mesh.vertex_normals.size() != mesh.vertices.size()) {
@@ -60,6 +60,9 @@ int add_mesh(SceneDescription& scene, const ConstDoubles& vertices, const ConstI
       mesh.faces[i][k] = static_cast<std::uint32_t>(index);
     }
   }
+}
+
+int add_mesh(SceneDescription& scene, std::shared_ptr<MeshDescription> mesh) {
   scene.meshes.push_back(std::move(mesh));
   return static_cast<int>(scene.meshes.size()) - 1;
 }
@@ -189,6 +192,16 @@ void bind_kinds(nb::module_& m) {
 }
 
 void bind_description(nb::module_& m) {
+  nb::class_<MeshDescription>(m, "Mesh", "Triangles in object coordinates; any number of descriptions may hold them.")
+      .def(
+          "__init__",
+          [](MeshDescription* self, const ConstDoubles& vertices, const ConstInts& faces, const std::optional<ConstDoubles>& vertex_normals) {
+            MeshDescription mesh;
+            fill_mesh(mesh, vertices, faces, vertex_normals);
+            new (self) MeshDescription(std::move(mesh));
+          },
+          nb::kw_only(), nb::arg("vertices"), nb::arg("faces"), nb::arg("vertex_normals").none());
+
   nb::class_<SceneDescription>(m, "SceneDescription", "The scene as plain numbers, world coordinates, SI units.")
       .def(nb::init<>())
       .def(
@@ -260,7 +273,7 @@ void bind_description(nb::module_& m) {
           nb::kw_only(), nb::arg("diffuse"), nb::arg("specular"), nb::arg("exponent"), nb::arg("ambient"), nb::arg("emission"),
           nb::arg("reflection") = Triple{}, nb::arg("transmission") = Triple{}, nb::arg("transparency") = 0.0, nb::arg("ior") = 1.0,
           nb::arg("brdf") = Brdf::phong_classic)
-      .def("add_mesh", &add_mesh, nb::kw_only(), nb::arg("vertices"), nb::arg("faces"), nb::arg("vertex_normals").none())
+      .def("add_mesh", &add_mesh, nb::arg("mesh"))
       .def("add_object", &add_object, nb::kw_only(), nb::arg("kind"), nb::arg("material"), nb::arg("matrix"),
            nb::arg("a") = Triple{}, nb::arg("b") = Triple{}, nb::arg("c") = Triple{}, nb::arg("radius") = 0.0,
            nb::arg("capped") = true, nb::arg("mesh") = -1);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -109,7 +110,7 @@ struct SceneDescription {
   std::vector<EmitterDescription> emitters;
   std::vector<MaterialDescription> materials;
   std::vector<ObjectDescription> objects;
-  std::vector<MeshDescription> meshes;
+  std::vector<std::shared_ptr<const MeshDescription>> meshes;
 };
 
 }  // namespace equilux

@@ -76,8 +76,7 @@ void intersect_objects(const RTCIntersectFunctionNArguments* args) {
 void intersect_mesh(const RTCIntersectFunctionNArguments* args) {
   if (!args->valid[0]) return;
   Search& search = *search_of(args);
-  const auto* mesh = static_cast<const MeshObject*>(args->geometryUserPtr);
-  try_triangle(search, static_cast<int>(mesh - search.world->meshes.data()), args->primID);
+  try_triangle(search, static_cast<const MeshTag*>(args->geometryUserPtr)->mesh, args->primID);
   shorten(args, search);
 }
 

@@ -53,7 +53,7 @@ bool nearest_crossing(Search& search, Candidate& winner);
 void try_object(Search& search, int object);
 void try_triangle(Search& search, int mesh, std::uint32_t triangle);
 
-// Embree calls these back for a primitive whose box the ray meets. User data: the World, or the MeshObject.
+// Embree calls these back for a primitive whose box the ray meets. User data of a mesh: its MeshTag.
 void intersect_objects(const RTCIntersectFunctionNArguments* args);
 void intersect_mesh(const RTCIntersectFunctionNArguments* args);
 

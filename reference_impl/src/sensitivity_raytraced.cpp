@@ -59,7 +59,7 @@ template <class F> class Steps {
   Bands from_light(const Hit& hit, int j, std::size_t k, const SurfacePoint& place) const;
   SurfacePoint stepped(const Hit& hit, SurfacePoint point, const Step& step) const;
   Bands local_change(const Hit& hit, int j, const Step& step) const;
-  Bands onward_change(const Hit& hit, const Step& step);
+  Bands onward_change(const Hit& hit, const Step& step, Bands sum);  // added to sum
   bool branch_change(const Hit& hit, int branch, const Step& step, double share, Bands& result);
   template <class Change> Bands over_steps(const Vec3d& normal, double normal_step, double position_step, const Change& change);
 
@@ -173,8 +173,7 @@ template <class F> bool Steps<F>::branch_change(const Hit& hit, int branch, cons
   return true;
 }
 
-template <class F> Bands Steps<F>::onward_change(const Hit& hit, const Step& step) {
-  Bands sum;
+template <class F> Bands Steps<F>::onward_change(const Hit& hit, const Step& step, Bands sum) {
   for (int branch = 0; branch < hit.onward.count; ++branch) {
     Bands moved;
     for (const double share : step_shares) {
@@ -216,8 +215,8 @@ template <class F> bool Steps<F>::visit(Hit& hit, Bands& total) {
   if (normal_step > 0 || position_step > 0) {
     hold(hit);
     const Vec3d normal = to_double(hit.point.normal);
-    const auto all = [&](const Step& step) { return local_change(hit, 0, step) + onward_change(hit, step); };
-    const auto onward = [&](const Step& step) { return onward_change(hit, step); };
+    const auto all = [&](const Step& step) { return onward_change(hit, step, local_change(hit, 0, step)); };
+    const auto onward = [&](const Step& step) { return onward_change(hit, step, {}); };
     if (hit.places.count == 1) {
       total = total + hit.weight * over_steps(normal, normal_step, position_step, all);
     } else {  // the places' own errors and that of the point are different ones

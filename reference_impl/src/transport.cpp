@@ -148,8 +148,7 @@ void transport_objects(const RTCIntersectFunctionNArguments* args) {
 void transport_mesh(const RTCIntersectFunctionNArguments* args) {
   if (!args->valid[0]) return;
   Traversal& traversal = traversal_of(args);
-  const auto* mesh = static_cast<const MeshObject*>(args->geometryUserPtr);
-  traversal.try_triangle(static_cast<int>(mesh - traversal.world().meshes.data()), args->primID);
+  traversal.try_triangle(static_cast<const MeshTag*>(args->geometryUserPtr)->mesh, args->primID);
   shorten(args, traversal);
 }
 

@@ -99,7 +99,7 @@ class ShadowRays final : public Crossed {
   std::vector<Candidate> between_;  // transparent ones
 };
 
-// Embree calls these back for a primitive whose box the ray meets. User data: the World, or the MeshObject.
+// Embree calls these back for a primitive whose box the ray meets. User data of a mesh: its MeshTag.
 void transport_objects(const RTCIntersectFunctionNArguments* args);
 void transport_mesh(const RTCIntersectFunctionNArguments* args);
 

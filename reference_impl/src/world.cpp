@@ -63,18 +63,26 @@ double curvature_of(Solid solid, const Matrix3<DoubleDouble>& to_world, const Ma
 World::World(SceneDescription scene) : description(with_emitters(std::move(scene))), camera(description) {
   eye_size = largest(camera.eye);
   if (!(eye_size < largest_length)) throw TracerError("camera: the eye is farther than 1e60 m from the origin");
+  const bool secondary = description.model == Model::raytraced || description.model == Model::reflection_equation;
+  if (!description.meshes.empty()) boxes = shared_boxes(description, secondary);
+  const bool ready = boxes != nullptr;
+  if (!ready) boxes = std::make_shared<Boxes>(description, secondary);
   objects.resize(description.objects.size());
   for (std::size_t i = 0; i < objects.size(); ++i) place_object(static_cast<int>(i));
   prepare_lights();
   find_features();
   prepare_shadows();
-  build_embree();
-  if (description.model == Model::raytraced || description.model == Model::reflection_equation) build_transport_boxes();
+  if (!ready) build_boxes();
+  embree = boxes->embree;
+  embree_scale = boxes->embree_scale;
+  transport = boxes->transport;
 }
 
-World::~World() {
-  if (embree != nullptr) rtcReleaseScene(embree);
-  if (transport.embree != nullptr) rtcReleaseScene(transport.embree);
+// Without a mesh they are as quickly built as looked for.
+void World::build_boxes() {
+  build_embree();
+  if (boxes->with_transport) build_transport_boxes();
+  if (!meshes.empty()) share(boxes);
 }
 
 void World::place_object(int index) {
@@ -99,11 +107,19 @@ void World::place_object(int index) {
 
 void World::place_mesh(int index, const Placement& placement) {
   MeshObject mesh;
-  mesh.world = this;
   mesh.object = index;
-  mesh.given = &description.meshes[static_cast<std::size_t>(description.objects[static_cast<std::size_t>(index)].mesh)];
+  mesh.given = description.meshes[static_cast<std::size_t>(description.objects[static_cast<std::size_t>(index)].mesh)].get();
   mesh.placement = placement;
-  mesh.vertices.reserve(mesh.given->vertices.size());
+  if (meshes.size() == boxes->vertices.size()) boxes->vertices.push_back(seen_by_camera(index, mesh));
+  mesh.vertices = boxes->vertices[meshes.size()];
+  meshes.push_back(std::move(mesh));
+}
+
+// The mesh's vertices in the camera's frame.
+std::vector<CameraPoint> World::seen_by_camera(int index, const MeshObject& mesh) const {
+  const Placement& placement = mesh.placement;
+  std::vector<CameraPoint> vertices;
+  vertices.reserve(mesh.given->vertices.size());
   // camera frame = rows (right, up, forward) · placement, folded into one matrix
   const auto folded = [&](const Vec3dd& axis) { return transposed_times(placement.linear, axis); };
   const Vec3dd row[3] = {folded(camera.right), folded(camera.up), folded(camera.forward)};
@@ -112,13 +128,12 @@ void World::place_mesh(int index, const Placement& placement) {
   for (const Vec3d& given : mesh.given->vertices) {
     const Vec3dd v = exactly(given);
     const auto along = [&](int k) { return to_double(dot(row[k], v) + shift[k]); };
-    mesh.vertices.push_back({along(0), along(1), along(2)});
-    if (!(std::max({std::fabs(mesh.vertices.back().x), std::fabs(mesh.vertices.back().y), std::fabs(mesh.vertices.back().z)}) <
-          largest_length)) {
+    vertices.push_back({along(0), along(1), along(2)});
+    if (!(std::max({std::fabs(vertices.back().x), std::fabs(vertices.back().y), std::fabs(vertices.back().z)}) < largest_length)) {
       refuse(index, "a vertex is farther than 1e60 m from the eye");
     }
   }
-  meshes.push_back(std::move(mesh));
+  return vertices;
 }
 
 void World::prepare_lights() {

@@ -2,10 +2,12 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
+#include <span>
 #include <vector>
 
 #include "affine.h"
-#include "embree_shim.h"
+#include "boxes.h"
 #include "ray.h"
 #include "scene_description.h"
 #include "shapes/triangle.h"
@@ -25,30 +27,18 @@ struct Object {
   CanonicalFrame canonical;  // for rays that do not start at the eye
 };
 
-// The boxes that rays from anywhere are sent through, in the camera's frame, moved and scaled so that they fill [-1, 1]³. The camera's own
-// boxes (World::embree) are padded by what rounding does to rays from the eye, these by what it does to all others.
-struct TransportBoxes {
-  RTCScene embree = nullptr;  // null: nothing is bounded, or the model has no such rays
-  Vec3d centre;               // metres, in the camera's frame
-  double scale = 1;           // power of two
-  double padding = 0;         // in scaled units
-};
-
 // What an object leaves of light that crosses its surface.
 struct Casts {
   bool blocks = true, skipped = false;
   Bands share;  // else
 };
 
-class World;
-
 // A mesh: vertices in the camera's frame for the search; object coordinates and placement for the exact triangle.
 struct MeshObject {
-  const World* world = nullptr;
   int object = 0;
   const MeshDescription* given = nullptr;
   Placement placement;
-  std::vector<CameraPoint> vertices;
+  std::span<const CameraPoint> vertices;  // Boxes holds them
 
   Vec3dd vertex(std::uint32_t index) const { return placement.linear * exactly(given->vertices[index]) + placement.origin; }
   ExactTriangle triangle(std::uint32_t face) const {
@@ -80,12 +70,12 @@ struct Features {
 class World {
  public:
   explicit World(SceneDescription scene);
-  ~World();
   World(const World&) = delete;
   World& operator=(const World&) = delete;
 
   const SceneDescription description;
   const Camera camera;
+  std::shared_ptr<Boxes> boxes;
   std::vector<Object> objects;
   std::vector<int> unbounded;  // planes: tested for every ray, in file order
   std::vector<int> bounded;    // analytic objects inside Embree: primitive number → object
@@ -93,8 +83,9 @@ class World {
   std::vector<Light> lights;
   std::vector<Casts> casts;    // one per object: its shadow
   Features features;
-  RTCScene embree = nullptr;   // null when nothing is bounded
-  double embree_scale = 1;     // power of two: metres → Embree's units
+  // Those of `boxes`, once they are built
+  RTCScene embree = nullptr;
+  double embree_scale = 1;
   TransportBoxes transport;
   double eye_size = 0;         // largest |coordinate| of the eye: the rounding of the spec's own numbers is relative to it
 
@@ -106,9 +97,11 @@ class World {
  private:
   void place_object(int index);
   void place_mesh(int index, const Placement& placement);
+  std::vector<CameraPoint> seen_by_camera(int index, const MeshObject& mesh) const;
   void prepare_lights();
   void find_features();
   void prepare_shadows();
+  void build_boxes();
   void build_embree();
   void build_transport_boxes();
 };
