@@ -109,10 +109,9 @@ def _reason(term: Mapping[str, Any]) -> str:
     """A geometric term says what it bounds, as its share of the radiance cannot be told apart."""
     if term["kind"] != "geometric":
         return str(term.get("reason", ""))
-    bounds = [
-        f"{symbol} ≤ {_size(term[key])}" for key, symbol in (("normal", "|ΔN|"), ("position_m", "|ΔP|")) if _any(term.get(key))
-    ]
-    return f"{term.get('reason', '')} ({', '.join(bounds)})"
+    symbols = {"normal": "|ΔN|", "position_m": "|ΔP|"}
+    bounds = [f"{symbol} ≤ {_size(term[key])}" for key, symbol in symbols.items() if _any(term.get(key))]
+    return f"{', '.join(bounds)} ({term.get('reason', '')})"
 
 
 def _size(value: Any) -> str:

@@ -17,6 +17,7 @@ FINDING_WORDS = {
     "translation-bug": ("a translation bug", "the renderer was probably asked the wrong question"),
     "unexplained": ("unexplained", "it departs, and no named cause accounts for it"),
 }
+PROPOSES = "the same run with --update-expectations proposes the edit of the spec"
 
 
 def standing_lines(case: CaseRecord, pair: PairRecord) -> list[str]:
@@ -68,7 +69,7 @@ def _improved(case: CaseRecord, pair: PairRecord) -> list[str]:
     gone = [used for used in case.expect if used.adapter in (pair.a, pair.b) and used.held is False]
     gone = gone or [used for used in case.expect if used.adapter in (pair.a, pair.b)]
     names = listed(list(dict.fromkeys(used.cause for used in gone)))
-    return [f"remove the expectation of {names} from {_spec(case)}, or narrow its `when`; {_command(case)} proposes the edit"]
+    return [f"remove the expectation of {names} from {_spec(case)}, or narrow its `when`; {PROPOSES}"]
 
 
 def _unexpected(case: CaseRecord, pair: PairRecord, found: Sequence[Found], programs: Mapping[str, str], run: str) -> list[str]:
@@ -94,7 +95,7 @@ def _unexpected(case: CaseRecord, pair: PairRecord, found: Sequence[Found], prog
                 f"dialect and pin it with {_pin(cause, who)}"
             )
     if new and not left:
-        steps.append(f"{_command(case)} proposes the edit of {_spec(case)}")
+        steps.append(PROPOSES)
     if left or not found:
         steps.append(_look(case, pair, left, run))
     return steps
@@ -128,7 +129,3 @@ def _pin(cause: Found, who: str) -> str:
 
 def _spec(case: CaseRecord) -> str:
     return case.scene_file or f"the spec of {case.scene}"
-
-
-def _command(case: CaseRecord) -> str:
-    return f"equilux run {case.scene_file or 'SCENE'} --update-expectations"
