@@ -11,7 +11,7 @@ from equilux_scenes.case import Case
 from equilux_scenes.model import Scene
 from equilux_tracer.causes.recursion import follows_rays
 from equilux_tracer.causes.rewrite import BLACK, CheckedRule, with_lights, with_scene
-from equilux_tracer.causes.rule import Applied, Evidence, Floats
+from equilux_tracer.causes.rule import Applied, Evidence, Floats, Vector
 from equilux_tracer.causes.seen import background_seen
 
 
@@ -26,8 +26,9 @@ class BackgroundMissing(CheckedRule):
         "ambient": "the scene's ambient radiance",
         "black in mirrors": "0 for mirrored and refracted rays; the camera's own rays are right",
         "black for the camera": "0 for the camera's own rays; mirrors, glass and, of an environment, light are right",
-        "another radiance": "one and the same radiance everywhere, found in the picture",
+        "another radiance": "[R, G, B] everywhere, found in the picture; the other readings have no parameter",
     }
+    parameter = Vector(("R", "G", "B"), "W/(m²·sr)", 1e-3)
     suspects = "translation"
 
     def touches(self, scene: Scene) -> bool:
