@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import json
 from typing import Any
 
 from equilux_scenes.case import Case
-from support.random_scenes import case_of
+from equilux_scenes.loader import load_scene_text
 
 SPEC: dict[str, Any] = {
     "equilux": 1,
@@ -34,4 +35,4 @@ ROOF = {
 
 def lopsided(**changes: Any) -> Case:
     """The scene with some of its keys replaced."""
-    return case_of({**SPEC, **changes})
+    return load_scene_text(json.dumps({**SPEC, **changes})).cases[0]

@@ -24,8 +24,8 @@ from equilux_scenes.model import (
     SpotLight,
     TransformStep,
 )
+from equilux_tracer.causes.rewrite import with_scene
 from equilux_tracer.causes.rule import Applied, Floats, Group, Rule
-from equilux_tracer.causes.strengths import with_scene
 
 _AXES = {"z": np.diag([1.0, 1.0, -1.0]), "x": np.diag([-1.0, 1.0, 1.0]), "y": np.diag([1.0, -1.0, 1.0])}
 _EXCHANGED = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, 1.0, 0.0]])

@@ -13,8 +13,8 @@ from equilux_scenes.mesh import TriangleMesh
 from equilux_scenes.model import Box, Cylinder, Disc, DiscEmitter, Mesh, Plane, Rectangle, RectangleEmitter, Sphere
 from equilux_scenes.transforms import matrix
 from equilux_tracer.causes.mesh_normals import Weight, box_mesh, reversed_mesh, smooth, with_meshes
+from equilux_tracer.causes.rewrite import used_materials, with_scene
 from equilux_tracer.causes.rule import Applied, Group, Rule
-from equilux_tracer.causes.strengths import used_materials, with_scene
 from equilux_tracer.shading_rules import ShadingRules
 
 _WEIGHTS: tuple[Weight, ...] = ("area and angle", "area", "angle", "unweighted")

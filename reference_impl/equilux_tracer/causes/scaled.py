@@ -8,8 +8,9 @@ from typing import ClassVar
 import numpy as np
 
 from equilux_scenes.case import Case
+from equilux_tracer.causes.rewrite import used_materials
 from equilux_tracer.causes.rule import Applied, Continuous, Evidence, Floats, Group, Rule
-from equilux_tracer.causes.strengths import Bands, used_materials, with_lights, with_materials
+from equilux_tracer.causes.strengths import Bands, with_lights, with_materials
 
 _LOW, _HIGH = 1e-4, 1e5
 """4π, 683 and their inverses lie well inside; a term that is left out altogether is another cause."""
@@ -37,7 +38,7 @@ class Scaled(Rule):
     }
 
     def hypotheses(self, case: Case) -> Sequence[Applied]:
-        materials = used_materials(case.scene)
+        materials = list(used_materials(case.scene))
         diffuse = any(any(material.diffuse) for material in materials)
         specular = any(any(material.specular) for material in materials)
         other = any(any(material.emission) or any(material.ambient) for material in materials) or any(case.scene.background)

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection
-from dataclasses import replace
 from typing import Any, Literal
 
 import numpy as np
 
 from equilux_scenes.case import Case
-from equilux_scenes.model import Scene
+from equilux_tracer.causes.rewrite import used_materials, with_scene
 from equilux_tracer.causes.rule import Floats
 
 Bands = tuple[float, float, float]
@@ -29,16 +28,6 @@ def with_materials(case: Case, keys: Collection[str], change: Callable[[Bands], 
 def with_lights(case: Case, keys: Collection[str], change: Callable[[Bands], Bands]) -> Case:
     """The case with these bands of every light changed."""
     return with_scene(case, lights={name: _changed(light, keys, change) for name, light in case.scene.lights.items()})
-
-
-def with_scene(case: Case, **parts: Any) -> Case:
-    """The case with parts of its scene replaced; nothing is validated."""
-    return replace(case, scene=case.scene.model_copy(update=parts))
-
-
-def used_materials(scene: Scene) -> list[Any]:
-    """The materials that any object has."""
-    return [scene.materials[name] for name in dict.fromkeys(obj.material for obj in scene.objects)]
 
 
 def band_values(case: Case, which: Which) -> Floats:
