@@ -9,7 +9,7 @@ from typing import Any
 
 from equilux.adapter import Case
 from equilux.casework import CaseWork
-from equilux.diagnose.diagnosis import Diagnosis, Found
+from equilux.diagnose.diagnosis import Found
 from equilux.judge import DELIVERED, judge_case
 from equilux.results import (
     CaseRecord,
@@ -62,7 +62,7 @@ def case_record(work: CaseWork, excused: Mapping[str, Collection[str]], ruled: C
         renders={
             name: _render_record(work.records[name], work.luminance.get(name), standing(name)) for name in sorted(work.records)
         },
-        pairs=[_pair_record(pair, judged.judged[pair["a"], pair["b"]], diagnoses) for pair in pairs],
+        pairs=[_pair_record(pair, judged.judged[pair["a"], pair["b"]], work) for pair in pairs],
     )
 
 
@@ -91,21 +91,24 @@ def _render_record(record: Mapping[str, Any], luminance: Luminance | None, stand
     )
 
 
-def _pair_record(pair: Mapping[str, Any], judged: str, diagnoses: Mapping[str, Diagnosis]) -> PairRecord:
+def _pair_record(pair: Mapping[str, Any], judged: str, work: CaseWork) -> PairRecord:
     fields = {name: pair[name] for name in PairRecord.model_fields if name in pair}
-    explained, causes = _explained(pair, diagnoses)
+    explained, causes = _explained(pair, work)
     return PairRecord.model_validate(
         fields | {"judged": judged, "expected": judged == "diverge_expected", "explained": explained, "causes": causes}
     )
 
 
-def _explained(pair: Mapping[str, Any], diagnoses: Mapping[str, Diagnosis]) -> tuple[float | None, list[Found]]:
+def _explained(pair: Mapping[str, Any], work: CaseWork) -> tuple[float | None, list[Found]]:
     """Why a pair diverges: with a truth, what was found of the render; between peers, what was found of both, each against the
-    truth. How much of *their* divergence that accounts for was not measured."""
+    truth."""
     if pair["verdict"] != "diverge":
         return None, []
-    sides = [diagnoses[name] for name in (pair["a"], pair["b"]) if name in diagnoses]
-    causes = [cause.model_copy(update={"side": cause.side or found.adapter}) for found in sides for cause in found.causes]
+    if (found := work.explanations.get((pair["a"], pair["b"]))) is not None:
+        return found.explained, list(found.causes)
+    diagnosed = work.diagnoses or {}
+    sides = [diagnosed[name] for name in (pair["a"], pair["b"]) if name in diagnosed]
+    causes = [cause.model_copy(update={"side": cause.side or side.adapter}) for side in sides for cause in side.causes]
     explained = sides[0].explained if sides and pair["b"] in TRUTHS else None
     return explained, causes
 

@@ -21,6 +21,7 @@ from equilux.identity import case_digest, comparer_identity
 from equilux.job import BUDGET_FILE, IMAGE_FILE, LOG_FILE, PROGRAM_FOLDER, WORK_FOLDER, Outcome
 from equilux.lazytracer import LazyTracer
 from equilux.luminance import luminance_of, photometry_of
+from equilux.peerpairs import Explanation, Peers
 from equilux.planes import read_planes, write_planes
 from equilux.results import Luminance
 from equilux.reuse import Store, key
@@ -72,6 +73,8 @@ class CaseWork:
     """By adapter, of the renders that delivered."""
     diagnoses: dict[str, Diagnosis] | None = None
     """By adapter, of the renders that diverge from the truth; None until `diagnose` was called."""
+    explanations: dict[tuple[str, str], Explanation] = field(default_factory=dict)
+    """By pair, of peers that diverge."""
     errors: list[str] = field(default_factory=list)
     """Faults of the engine itself: comparisons and diagnoses that raised."""
     _delivered: dict[str, Delivered] = field(default_factory=dict)
@@ -315,18 +318,48 @@ class CaseWork:
             except Exception as problem:  # ours, not the renderer's
                 self.errors.append(f"{self.case.name}: diagnosing {name} failed: {type(problem).__name__}: {problem}")
 
+    def explain_peers(self) -> None:
+        """Say how far what was found of each render accounts for how it differs from its peers. To be called after `diagnose`."""
+        found = self.diagnoses or {}
+        asked = {
+            names: pair
+            for names, pair in self.pairs.items()
+            if not set(names) & set(TRUTHS) and set(names) & set(found) and pair["verdict"] == "diverge" and pair["diverge"]
+        }
+        truth = truth_among(self._delivered)
+        if not asked or truth is None:
+            return
+        subjects = {
+            name: (self._subject(self._delivered[name], self._delivered[truth], self.pairs[name, truth]), found.get(name))
+            for name in sorted({name for names in asked for name in names})
+        }
+        peers = Peers(self.case, subjects, self.store, self.tree)
+        for names, pair in sorted(asked.items()):
+            try:
+                explanation = peers.explained(self._scored(pair))
+            except Exception as problem:  # ours, not a renderer's
+                what = f"explaining {names[0]} with {names[1]} failed"
+                self.errors.append(f"{self.case.name}: {what}: {type(problem).__name__}: {problem}")
+            else:
+                self.explanations |= {} if explanation is None else {names: explanation}
+
     def _diagnosed(self, render: Delivered, truth: Delivered, pair: dict[str, Any], method: diagnosing.Method) -> Diagnosis:
+        return diagnosing.diagnosed(self.case, self._subject(render, truth, pair), method, self.store, self.tree)
+
+    def _subject(self, render: Delivered, truth: Delivered, pair: dict[str, Any]) -> diagnosing.Subject:
         name = render.side.adapter
-        subject = diagnosing.Subject(
+        return diagnosing.Subject(
             render.side,
             render.digest,
             truth.side,
             truth.digest,
-            lambda: diagnosing.scored_pair(pair, self.tree.pairs_folder(self.case.name)),
+            lambda: self._scored(pair),
             render.budget,
             tuple(expectation.cause for expectation in self.case.expectations if expectation.adapter == name),
         )
-        return diagnosing.diagnosed(self.case, subject, method, self.store, self.tree)
+
+    def _scored(self, pair: dict[str, Any]) -> compare.PairResult:
+        return diagnosing.scored_pair(pair, self.tree.pairs_folder(self.case.name))
 
     def forget_pictures(self) -> None:
         """Give back the memory of a case that is complete."""

@@ -22,7 +22,7 @@ COMPARING_CODE = (
     "equilux_tracer",
 )
 """Code of ours that has a part in every comparison."""
-DIAGNOSING_CODE = (*COMPARING_CODE, "equilux.diagnose", "equilux.diagnosing", "equilux.dialect")
+DIAGNOSING_CODE = (*COMPARING_CODE, "equilux.diagnose", "equilux.diagnosing", "equilux.dialect", "equilux.peerpairs")
 """Code of ours that has a part in every diagnosis."""
 
 _digests: WeakKeyDictionary[Case, str] = WeakKeyDictionary()

@@ -50,7 +50,8 @@ def judge_case(
     against the truth is expected too.
 
     diagnoses: by adapter, of the renders that diverge from the truth. None where nothing was diagnosed: then the presence of a
-    divergence is all that is judged. excused: by adapter, the expected causes that stand for features it lacks. They let it
+    divergence is all that is judged; so it is for a render whose diagnosis failed, which ends the run with an error of its own.
+    excused: by adapter, the expected causes that stand for features it lacks. They let it
     render the case at all, so they are not gone where the lack happens not to show among its other causes. ruled: the causes
     that have a rule, so that a diagnosis can find them.
     """
@@ -64,7 +65,8 @@ def judge_case(
     for pair in pairs:
         if pair["b"] == truth and pair["verdict"] != "not-comparable":
             name, expected = pair["a"], pinned.get(pair["a"], [])
-            found = None if diagnoses is None else _Findings(pair, diagnoses.get(name), expected, ruled)
+            failed = diagnoses is not None and name not in diagnoses and pair["verdict"] == "diverge" and pair["diverge"]
+            found = None if diagnoses is None or failed else _Findings(pair, diagnoses.get(name), expected, ruled)
             result.judged[name, pair["b"]] = _against_truth(pair, found, expected, (excused or {}).get(name, ()), held)
     unexpected = {a for (a, _), judgement in result.judged.items() if judgement == "diverge_unexpected"}
     compared: set[str] = set()

@@ -196,6 +196,8 @@ class _Run:
         """Diagnose and judge a case whose renders are all there."""
         if self._options.diagnose and self._stopped_by is None:
             work.diagnose(Method(self._dialects, self._options.diagnosis_limit_s))
+            if self._stopped_by is None:
+                work.explain_peers()
         judged = self._judged(work)
         self._progress.case_done(case_line(work, judged))
         work.forget_pictures()

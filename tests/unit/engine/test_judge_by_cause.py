@@ -14,8 +14,8 @@ from support.engine import scene
 TRUTH = ("vtk", "oracle")
 
 
-def pair(a: str = "vtk", b: str = "oracle", verdict: str = "diverge", invalid: int = 0) -> dict[str, Any]:
-    return {"a": a, "b": b, "verdict": verdict, "invalid": invalid, "diverge": 9}
+def pair(a: str = "vtk", b: str = "oracle", verdict: str = "diverge", invalid: int = 0, diverge: int = 9) -> dict[str, Any]:
+    return {"a": a, "b": b, "verdict": verdict, "invalid": invalid, "diverge": diverge if verdict == "diverge" else 0}
 
 
 def found(*causes: str | Found, adapter: str = "vtk") -> Diagnosis:
@@ -91,8 +91,14 @@ def test_pixels_that_are_no_radiance_are_never_expected_whatever_else_was_proven
 
 
 def test_a_picture_that_cannot_be_laid_over_the_truth_has_no_proven_cause_and_is_not_expected():
-    assert judge("half-vector").judged[TRUTH] == "diverge_unexpected"
-    assert judge("unexplained").judged[TRUTH] == "diverge_expected"
+    other_size = [pair(diverge=0)]
+    assert judge("half-vector", pairs=other_size).judged[TRUTH] == "diverge_unexpected"
+    assert judge("unexplained", pairs=other_size).judged[TRUTH] == "diverge_expected"
+
+
+def test_where_the_diagnosis_failed_presence_is_all_that_is_judged():
+    assert judge("half-vector").judged[TRUTH] == "diverge_expected"
+    assert judge("").judged[TRUTH] == "diverge_unexpected"
 
 
 def test_an_expectation_that_stands_for_a_lack_is_not_gone_because_it_does_not_show():
