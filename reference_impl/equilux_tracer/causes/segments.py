@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+import weakref
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from itertools import product
@@ -44,7 +45,7 @@ def best_tessellations(rule: Rule, prefix: str, normals: Sequence[Normals], evid
     return [_applied(rule, prefix, style, count) for style, count in _remembered(rule, prefix, tuple(normals), evidence)]
 
 
-_last: tuple[Evidence, list[tuple[Style, int]]] | None = None
+_last: tuple[weakref.ref[Evidence], list[tuple[Style, int]]] | None = None
 
 
 def _remembered(rule: Rule, prefix: str, normals: tuple[Normals, ...], evidence: Evidence) -> list[tuple[Style, int]]:
@@ -53,8 +54,8 @@ def _remembered(rule: Rule, prefix: str, normals: tuple[Normals, ...], evidence:
     if normals != ("flat",) or any(mesh.vertex_normals is not None for mesh in evidence.case.meshes.values()):
         return _styles_found(rule, prefix, normals, evidence)
     last = _last
-    if last is None or last[0] is not evidence:
-        last = (evidence, _styles_found(rule, prefix, normals, evidence))
+    if last is None or last[0]() is not evidence:
+        last = (weakref.ref(evidence), _styles_found(rule, prefix, normals, evidence))
         _last = last
     return last[1]
 
