@@ -62,3 +62,30 @@ def error_of(channels: dict[str, npt.NDArray[Any]]) -> Floats:
     """The sum of the tracer's error bounds; what it cannot vouch for is NO_DIGIT."""
     total = np.asarray(channels["rounding"] + channels["quadrature"], np.float64)
     return np.where(total <= NO_DIGIT, total, NO_DIGIT)
+
+
+@dataclass(frozen=True)
+class Tilts:
+    """The geometric terms of a stated uncertainty, added up: δN and δP (m) of each object."""
+
+    normal: Floats
+    position_m: Floats
+
+    @classmethod
+    def of(cls, stated: Uncertainty, objects: int) -> Tilts | None:
+        """None where nothing has to be propagated."""
+        terms = [term for term in stated.terms if term["kind"] == "geometric"]
+        tilts = cls(*(_per_object([term[name] for term in terms], objects) for name in ("normal", "position_m")))
+        return tilts if tilts.normal.any() or tilts.position_m.any() else None
+
+
+def _per_object(values: list[Any], objects: int) -> Floats:
+    """One number is of all objects; so is entry −1 of those that are listed object by object."""
+    total = np.zeros(objects)
+    for value in values:
+        if isinstance(value, dict):
+            for index, part in value.items():
+                total[slice(None) if int(index) < 0 else int(index)] += part
+        else:
+            total += value
+    return total

@@ -11,7 +11,7 @@ import numpy.typing as npt
 from equilux.compare import AGREE, DIVERGE, INVALID, PairResult, RenderedImage, compare_pair
 from equilux.diagnose.bounds import ERROR_CHANNELS, PairBounds, error_of
 from equilux.diagnose.evidence import centres
-from equilux.diagnose.trials import Bench, Causes, shown_with_error
+from equilux.diagnose.trials import Causes, Workshop, shown_with_error
 from equilux.uncertainty import Uncertainty
 from equilux_tracer import Tracer
 from equilux_tracer.causes import ChangedTracer
@@ -79,7 +79,7 @@ class Proof:
 class Court:
     """Proves hypotheses about one render of one case; each only once."""
 
-    bench: Bench
+    workshop: Workshop
     side: RenderedImage
     truth: RenderedImage
     scored: PairResult
@@ -98,17 +98,17 @@ class Court:
         height, width = self.side.image.shape[:2]
         film_xy = centres(np.arange(height * width), width)
         try:
-            changed = self.bench.changed(causes)
+            changed = self.workshop.changed(causes)
             with np.errstate(all="ignore"):
                 found = changed.of_scene.evaluate(changed.looked_at(film_xy), ("radiance", *ERROR_CHANNELS))
                 radiance, error = shown_with_error(changed, found["radiance"], error_of(found), film_xy)
             stated = self.side.uncertainty if self.restate is None else self.restate(changed)
         except Exception as problem:
-            self.bench.refused[causes] = f"{type(problem).__name__}: {problem}"
+            self.workshop.refused[causes] = f"{type(problem).__name__}: {problem}"
             return None
         picture = np.ascontiguousarray(radiance.reshape(height, width, 3))
         if not np.isfinite(picture).all():
-            self.bench.refused[causes] = "the changed picture is not finite"
+            self.workshop.refused[causes] = "the changed picture is not finite"
             return None
         bounds = PairBounds.of(self.side, self.truth, stated)
         of_changed = bounds.of_changed(error.reshape(height, width, 3), self.truth.uncertainty.film_px)

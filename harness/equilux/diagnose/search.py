@@ -10,7 +10,7 @@ import numpy as np
 
 from equilux.compare import PairResult, RenderedImage
 from equilux.diagnose import report
-from equilux.diagnose.bounds import PairBounds
+from equilux.diagnose.bounds import PairBounds, Tilts
 from equilux.diagnose.catalogue import all_rules
 from equilux.diagnose.diagnosis import Diagnosis
 from equilux.diagnose.evidence import gather
@@ -18,6 +18,7 @@ from equilux.diagnose.fit import fitted, knobs_of, refine, rounded, started
 from equilux.diagnose.hypotheses import USUAL, Preference, Single, both_orders, every_hypothesis, ranked_pairs, single
 from equilux.diagnose.proof import Court, Proof, Restate
 from equilux.diagnose.trials import Bench, Causes, Trial, ordered
+from equilux.edges import film_delta_px
 from equilux_scenes.case import Case
 from equilux_tracer import Tracer
 from equilux_tracer.causes import Applied, Rule
@@ -26,8 +27,9 @@ MOST_CAUSES = 3
 PROOFS = 8
 """Hypotheses of one size that are proven in full, at most."""
 PLAUSIBLE = 0.05
-"""Share of the sampled pixels, wrong and right, that a hypothesis may miss and still be worth a proof: edges are only excused
-there."""
+"""Share of the sampled pixels, wrong and right, that a hypothesis may miss and still be worth a proof."""
+EXCUSED, RESTATED = 0.3, 0.7
+"""Share of the wrong ones that it may miss before edges are excused, and before geometric uncertainty is restated for it."""
 CHEAP_PAIRS, REFITTED = 400, 12
 """Pairs that are tried as they stand; sets whose numbers are fitted to each other."""
 SEEDS = 6
@@ -91,7 +93,10 @@ def diagnose_in_full(
     sample = gather(case, side, truth, scored, model) if scored.planes else None
     if sample is None:
         return Diagnosed(Diagnosis(adapter=side.adapter, diverging=0, explained=0.0, seconds=time.monotonic() - started))
-    bench = Bench(case, rules, sample, PairBounds.of(side, truth), model, deadline=started + time_limit_s)
+    bounds = PairBounds.of(side, truth)
+    bench = Bench(case=case, rules=rules, model=model, sample=sample, bounds=bounds, time_limit_s=time_limit_s)
+    bench.tilts = Tilts.of(side.uncertainty, len(case.scene.objects)) if restate is not None else None
+    bench.film_delta_px = film_delta_px(side.uncertainty.film_px, truth.uncertainty.film_px)
     preference = Preference(rules, tuple(dialect), tuple(expected))
     search = Search(bench, Court(bench, side, truth, scored, restate), preference)
     found = search.run()
@@ -228,7 +233,7 @@ class Search:
 
     def _with_numbers(self, seeds: Sequence[Causes]) -> list[Trial]:
         """Each seed with each cause that has a number, fitted beside it where its starting values promise anything."""
-        found = []
+        found: list[Trial] = []
         for seed in seeds:
             alone = self.bench.trial(seed)
             for hypothesis in self.numeric:
@@ -309,6 +314,13 @@ class Search:
 
     def plausible(self, trial: Trial) -> bool:
         """Whether the sample speaks for it strongly enough for a proof."""
+        diverging = int(self.bench.sample.diverging.sum())
+        if self._few(trial):
+            return True
+        known = trial.missed <= (RESTATED if self.bench.tilts is not None else EXCUSED) * diverging
+        return known and self._few(self.bench.exact(trial))
+
+    def _few(self, trial: Trial) -> bool:
         diverging = int(self.bench.sample.diverging.sum())
         agreeing = len(self.bench.sample.pixels) - diverging
         return trial.missed <= max(1, PLAUSIBLE * diverging) and trial.broken <= max(1, PLAUSIBLE * agreeing)

@@ -9,7 +9,8 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 import numpy.typing as npt
 
-from equilux.diagnose.bounds import ERROR_CHANNELS, Floats, PairBounds, error_of
+from equilux import edges
+from equilux.diagnose.bounds import ERROR_CHANNELS, TINY, Floats, PairBounds, Tilts, error_of
 from equilux.diagnose.evidence import MODEL_CHANNELS, Sample
 from equilux_scenes.case import Case
 from equilux_tracer import Tracer
@@ -51,29 +52,17 @@ class Trial:
         return np.asarray(self.error <= 1)
 
 
-@dataclass
-class Bench:
-    """Everything that is needed to try hypotheses on one sample, and what was found out so far."""
+@dataclass(kw_only=True)
+class Workshop:
+    """Changed references of one case, and what they are made with."""
 
     case: Case
     rules: Mapping[str, Rule]
-    sample: Sample
-    bounds: PairBounds
     model: Tracer
-    deadline: float = float("inf")
-    """Of time.monotonic()."""
-    tried: int = 0
     refused: dict[Causes, str] = field(default_factory=dict)
     """Hypotheses that cannot be rendered, and why."""
     _tracers: dict[Causes, Tracer] = field(default_factory=dict)
-    _seen: dict[tuple[Causes, Causes], tuple[Floats, Floats]] = field(default_factory=dict)
-    _trials: dict[Causes, Trial | None] = field(default_factory=dict)
     _concerned: dict[Applied, bool] = field(default_factory=dict)
-    _conditional: dict[tuple[Causes, bool], Evidence] = field(default_factory=dict)
-
-    @property
-    def out_of_time(self) -> bool:
-        return time.monotonic() > self.deadline
 
     def changed(self, causes: Causes) -> ChangedTracer:
         """The reference under these causes. Raises what a rule or the tracer raises where it cannot be done."""
@@ -88,11 +77,88 @@ class Bench:
             self._tracers[of_scene] = changed.of_scene
         return changed
 
+    def _of_scene(self, causes: Causes) -> Causes:
+        return tuple(applied for applied in causes if self._concerns_scene(applied))
+
+    def _concerns_scene(self, applied: Applied) -> bool:
+        """Rules that can change scene and picture do one or the other, by reading."""
+        rule = self.rules[applied.cause]
+        if not changes_scene(rule) or not (changes_film(rule) or changes_values(rule)):
+            return changes_scene(rule)
+        if applied not in self._concerned:
+            untouched = rule.change_case(self.case, applied) is self.case
+            self._concerned[applied] = not (untouched and rule.change_shading(MODEL_RULES, applied) == MODEL_RULES)
+        return self._concerned[applied]
+
+
+@dataclass(kw_only=True)
+class Bench(Workshop):
+    """Everything that is needed to try hypotheses on one sample, and what was found out so far."""
+
+    sample: Sample
+    bounds: PairBounds
+    time_limit_s: float = float("inf")
+    """After so many seconds of this thread's own work nothing new is tried: a busy machine must not change what is found. Five
+    times as long by the clock is the limit in any case."""
+    _started: tuple[float, float] = field(default_factory=lambda: (time.thread_time(), time.monotonic()))
+    tried: int = 0
+    tilts: Tilts | None = None
+    """Geometric uncertainty: what it does to the radiance is another question under other causes."""
+    film_delta_px: float = edges.MINIMUM_DELTA_PX
+    _exact: dict[Causes, Trial] = field(default_factory=dict)
+    _seen: dict[tuple[Causes, Causes], tuple[Floats, Floats]] = field(default_factory=dict)
+    _trials: dict[Causes, Trial | None] = field(default_factory=dict)
+    _conditional: dict[tuple[Causes, bool], Evidence] = field(default_factory=dict)
+
+    @property
+    def out_of_time(self) -> bool:
+        worked, passed = time.thread_time() - self._started[0], time.monotonic() - self._started[1]
+        return worked > self.time_limit_s or passed > 5 * self.time_limit_s
+
     def trial(self, causes: Causes) -> Trial | None:
         """None where the hypothesis cannot be rendered."""
         if causes not in self._trials:
             self._trials[causes] = self._tried(causes)
         return self._trials[causes]
+
+    def exact(self, trial: Trial) -> Trial:
+        """The trial judged as a proof will judge it: geometric uncertainty restated, edges excused. Slower by far."""
+        if trial.causes not in self._exact:
+            try:
+                changed = self.changed(trial.causes)
+                own = self._restated(changed)
+                bound = np.maximum(trial.bound - self.bounds.own[self.sample.pixels] + own, TINY)
+                error = (np.abs(self.sample.evidence.measured - trial.radiance) / bound).max(axis=1)
+                self._exact[trial.causes] = self._excused(self._counted(trial.causes, trial.radiance, bound, error), changed)
+            except Exception as problem:
+                self.refused[trial.causes] = f"{type(problem).__name__}: {problem}"
+                self._exact[trial.causes] = trial
+        return self._exact[trial.causes]
+
+    def _restated(self, changed: ChangedTracer) -> Floats:
+        """(n, 3): the renderer's own share of B if it were this tracer."""
+        own = self.bounds.own[self.sample.pixels]
+        if self.tilts is None:
+            return own
+        film_xy = self.sample.film_xy
+        before = self.model.sensitivity(self.tilts.normal, self.tilts.position_m, film_xy=film_xy)
+        looked_at = changed.looked_at(film_xy)
+        moved = changed.of_scene.sensitivity(self.tilts.normal, self.tilts.position_m, film_xy=looked_at)
+        _, after = shown_with_error(changed, changed.of_scene.evaluate(looked_at)["radiance"], moved, film_xy)
+        return np.maximum(own - before, 0) + after
+
+    def _excused(self, trial: Trial, changed: ChangedTracer) -> Trial:
+        wrong = np.flatnonzero(trial.error > 1)
+        if not len(wrong):
+            return trial
+        evidence = self.sample.evidence
+        is_edge = edges.edge_pixels(
+            self.sample.pixels[wrong], self.case.scene.film.width, evidence.measured[wrong], trial.radiance[wrong],
+            trial.bound[wrong], self.film_delta_px, changed,
+        )  # fmt: skip
+        error = trial.error.copy()
+        error[wrong[is_edge]] = 0.0
+        return self._counted(trial.causes, trial.radiance, trial.bound, error)
 
     def passing_trial(self, causes: Causes) -> Trial | None:
         """The same for a step of a fit, which need not be remembered."""
@@ -134,13 +200,16 @@ class Bench:
 
     def scored(self, causes: Causes, radiance: Floats, error: Floats) -> Trial:
         """A trial from what the hypothesis shows at the sample's pixels."""
-        evidence = self.sample.evidence
+        measured = self.sample.evidence.measured
         with np.errstate(all="ignore"):
             bound = self.bounds.at(self.sample.pixels, radiance, error)
-            normalised = np.nan_to_num(np.abs(evidence.measured - radiance) / bound, nan=1e300, posinf=1e300).max(axis=1)
-        wrong = normalised > 1
-        missed = int((wrong & evidence.diverging).sum())
-        return Trial(causes, radiance, bound, normalised, missed, int(wrong.sum()) - missed, float(np.log1p(normalised).sum()))
+            normalised = np.nan_to_num(np.abs(measured - radiance) / bound, nan=1e300, posinf=1e300).max(axis=1)
+        return self._counted(causes, radiance, bound, normalised)
+
+    def _counted(self, causes: Causes, radiance: Floats, bound: Floats, error: Floats) -> Trial:
+        wrong = error > 1
+        missed = int((wrong & self.sample.diverging).sum())
+        return Trial(causes, radiance, bound, error, missed, int(wrong.sum()) - missed, float(np.log1p(error).sum()))
 
     def _shown(self, causes: Causes) -> tuple[Floats, Floats]:
         key = (self._of_scene(causes), tuple(applied for applied in causes if _changes(self.rules[applied.cause], "change_film")))
@@ -155,19 +224,6 @@ class Bench:
         if not any(_changes(self.rules[applied.cause], "change_radiance") for applied in causes):
             return radiance, error
         return shown_with_error(changed, radiance, error, film_xy)
-
-    def _of_scene(self, causes: Causes) -> Causes:
-        return tuple(applied for applied in causes if self._concerns_scene(applied))
-
-    def _concerns_scene(self, applied: Applied) -> bool:
-        """Rules that can change scene and picture do one or the other, by reading."""
-        rule = self.rules[applied.cause]
-        if not changes_scene(rule) or not (changes_film(rule) or changes_values(rule)):
-            return changes_scene(rule)
-        if applied not in self._concerned:
-            untouched = rule.change_case(self.case, applied) is self.case
-            self._concerned[applied] = not (untouched and rule.change_shading(MODEL_RULES, applied) == MODEL_RULES)
-        return self._concerned[applied]
 
 
 def shown_with_error(changed: ChangedTracer, radiance: Floats, error: Floats, film_xy: Floats) -> tuple[Floats, Floats]:
