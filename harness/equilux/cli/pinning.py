@@ -36,6 +36,13 @@ def check_allowed(*, update: bool, yes: bool, plan: bool, diagnose: bool) -> Non
         raise BadUsage(f"{OPTION}: got with --no-diagnose, which finds no cause to pin, allowed one of them")
 
 
+def forget(out: Path) -> None:
+    """A patch that an earlier run proposed says nothing of this one."""
+    from equilux.pinning.propose import PATCH_FILE
+
+    (out / PATCH_FILE).unlink(missing_ok=True)
+
+
 def update_expectations(
     results: Results, sources: Iterable[Path | None], out: Path, limit: Sequence[str], *, yes: bool, as_json: bool
 ) -> None:
@@ -48,7 +55,6 @@ def update_expectations(
     say = sys.stderr if as_json else sys.stdout
     proposal = propose(results, [path for path in sources if path is not None], Limits.from_options(limit))
     patch = out / PATCH_FILE
-    patch.unlink(missing_ok=True)
     if not proposal.edits:
         say.write(
             "expectations: nothing to change\n" if not proposal.impossible else "expectations: nothing that can be pinned\n"

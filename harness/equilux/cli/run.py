@@ -114,6 +114,7 @@ def run(
     finished = _execute(planned, out, jobs, timeout, memory, diagnosis_limit_s, reuse=reuse, fail_fast=fail_fast, flip=flip)
     _tell(finished, out, as_json=json)
     ci.announce(ci.RunView(finished.results, out, planned.named, ci.sources_of(planned.cases), finished.errors))
+    pinning.forget(out)
     if html and finished.exit_code != INTERRUPTED:
         try:
             page = _report(out)

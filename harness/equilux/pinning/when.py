@@ -13,8 +13,10 @@ from equilux_scenes.errors import number_text
 _NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_-]*\Z")
 LONGEST_TERM = 3
 """Comparisons in one conjunction beyond what it takes to name a single case."""
-SEARCHED = 4_000
-"""Conjunctions, and then combinations of them, looked at before the search is content with what it has."""
+CONJUNCTIONS = 100_000
+"""Conjunctions looked at, those of fewer comparisons first."""
+COMBINATIONS = 4_000
+"""Combinations of them looked at before the search is content with the greedy one."""
 
 
 @dataclass(frozen=True)
@@ -57,26 +59,41 @@ def _expressible(name: str, values: Sequence[Any]) -> bool:
 
 def _conjunctions(axes: Mapping[str, Sequence[float]], count: int, goal: int, parameters: Sequence[float]) -> list[_Term]:
     """Conjunctions that select some wanted case and no other, one for each set of cases: the plainest of the shortest."""
-    everything = (1 << count) - 1
-    found = {everything: _Term(everything, 0, 0, "")}
-    longest = max(len(axes), LONGEST_TERM)
-    for name, values in axes.items():
-        constraints = _constraints(name, values, parameters)
-        grown = dict(found)
-        for term in found.values():
-            for constraint in constraints:
-                both = _Term(term.mask & constraint.mask, term.cost + constraint.cost, term.rank + constraint.rank,
-                             f"{term.text} and {constraint.text}" if term.text else constraint.text)  # fmt: skip
-                if both.mask & goal and both.cost <= longest:
-                    _keep_plainer(grown, both)
-            if len(grown) > SEARCHED:
+    constraints = [_constraints(name, values, parameters) for name, values in axes.items()]
+    everything = _Term((1 << count) - 1, 0, 0, "")
+    # by_cost[cost][i]: those of that many comparisons on the first i axes; by cost, so that a search cut off has the short ones
+    by_cost: list[list[list[_Term]]] = [[[everything]] * (len(axes) + 1)]
+    useful: dict[int, _Term] = {}
+    seen = {everything.mask}
+    for cost in range(1, max(len(axes), LONGEST_TERM) + 1):
+        level: list[list[_Term]] = [[]]
+        for axis, of_axis in enumerate(constraints):
+            grown: dict[int, _Term] = {}
+            for constraint in of_axis:
+                for term in by_cost[cost - constraint.cost][axis] if constraint.cost <= cost else ():
+                    mask = term.mask & constraint.mask
+                    if mask & goal and mask not in seen:
+                        _keep_plainer(grown, _both(term, constraint, mask))
+            level.append([*level[axis], *grown.values()])
+            if len(seen) + len(level[-1]) > CONJUNCTIONS:
                 break
-        found = grown
-    useful = {mask: term for mask, term in found.items() if not mask & ~goal}
+        level += [level[-1]] * (len(axes) + 1 - len(level))
+        for term in level[-1]:
+            seen.add(term.mask)
+            if not term.mask & ~goal:
+                _keep_plainer(useful, term)
+        by_cost.append(level)
+        if len(seen) > CONJUNCTIONS:
+            break
     for term in _single_cases(axes, count):  # always there, however the search ended
         if term.mask & goal and not term.mask & ~goal:
             _keep_plainer(useful, term)
     return list(useful.values())
+
+
+def _both(term: _Term, constraint: _Term, mask: int) -> _Term:
+    text = f"{term.text} and {constraint.text}" if term.text else constraint.text
+    return _Term(mask, term.cost + constraint.cost, term.rank + constraint.rank, text)
 
 
 def _keep_plainer(known: dict[int, _Term], term: _Term) -> None:
@@ -87,14 +104,16 @@ def _keep_plainer(known: dict[int, _Term], term: _Term) -> None:
 
 def _single_cases(axes: Mapping[str, Sequence[float]], count: int) -> list[_Term]:
     """Every case by its values; several that only other axes tell apart have one mask."""
-    out = []
+    masks: dict[tuple[float, ...], int] = {}
     for index in range(count):
-        mask = sum(
-            1 << other for other in range(count) if all(values[other] == values[index] for values in axes.values())
-        )  # fmt: skip
-        text = " and ".join(f"{name} == {number_text(values[index])}" for name, values in axes.items())
-        out.append(_Term(mask, len(axes), 2 * len(axes), text))
-    return out
+        key = tuple(values[index] for values in axes.values())
+        masks[key] = masks.get(key, 0) | 1 << index
+    return [
+        _Term(
+            mask, len(axes), 2 * len(axes), " and ".join(f"{name} == {number_text(x)}" for name, x in zip(axes, key, strict=True))
+        )
+        for key, mask in masks.items()
+    ]
 
 
 def _constraints(name: str, values: Sequence[float], parameters: Sequence[float]) -> list[_Term]:
@@ -160,7 +179,7 @@ def _in_order(terms: Sequence[_Term]) -> list[_Term]:
 
 def _undominated(terms: Sequence[_Term]) -> list[_Term]:
     """Terms that no other one selects more than, at no higher cost."""
-    if len(terms) > SEARCHED // 8:
+    if len(terms) > 500:
         return list(terms)
     kept: list[_Term] = []
     for term in sorted(terms, key=lambda term: (term.cost, -term.mask.bit_count(), term.rank)):
@@ -176,7 +195,7 @@ def _exactly(terms: Sequence[_Term], left: int, budget: int, tries: list[int]) -
     if budget < 9:  # the weight of one comparison
         return None
     tries[0] += 1
-    if tries[0] > SEARCHED:
+    if tries[0] > COMBINATIONS:
         return None
     first = left & -left
     for term in terms:
