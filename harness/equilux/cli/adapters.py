@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import sys
+from dataclasses import asdict
 from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import App, Parameter
 
 from equilux.cli import inputs
+from equilux.dialect import declared_dialect
 
 if TYPE_CHECKING:
     from equilux.registry import Entry
@@ -71,6 +73,7 @@ def describe(entry: Entry) -> dict[str, Any]:
         "capabilities": capabilities,
         "knobs": knobs,
         "lack_causes": dict(entry.adapter.lack_causes) if entry.adapter is not None else {},
+        "dialect": [asdict(declared) for declared in declared_dialect(entry.adapter)],
     }
 
 
