@@ -100,17 +100,15 @@ template <class F> bool at_the_limit(const Tracing& tracing, const Visit& visit)
 // Puts the secondary rays of a visit on the stack. Rays of weight 0 are not followed, all others are.
 template <class F> void send_secondary(Tracing& tracing, const Visit& visit, const Moved& moved) {
   if (at_the_limit<F>(tracing, visit)) return;
-  const Onward onward = onward_from<F>(tracing, visit);
+  Onward onward = onward_from<F>(tracing, visit);
   if constexpr (F::channels) tracing.signature.add(onward.total ? 3 : 4);
+  if constexpr (F::ruled) keep_followed(tracing.world, visit, tracing.path_weight * visit.weight, onward);
   for (int i = 0; i < onward.count; ++i) {
     const Onward::Ray& ray = onward.rays[i];
     const Bands weight = visit.weight * ray.weight;
     if (!weight.any()) continue;
     Journey journey;
-    if constexpr (F::ruled) {
-      if (is_cut(tracing.world.description.rules, tracing.path_weight * weight)) continue;
-      journey = journey_beyond(tracing.world, tracing.media, visit, ray);
-    }
+    if constexpr (F::ruled) journey = journey_beyond(tracing.world, tracing.media, visit, ray);
     const Branch branch = visit.branch == Branch::none ? ray.branch : visit.branch;
     tracing.pending.push_back({leaving(tracing.world, visit.point, ray.direction), weight, visit.used + 1, branch, {}, journey});
     if constexpr (F::rounding) tracing.pending.back().spread = spread_beyond(moved, visit.point, to_double(ray.direction), ray.bend);

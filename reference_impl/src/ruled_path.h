@@ -46,18 +46,22 @@ inline Journey journey_beyond(const World& world, Media& media, const Visit& vis
   return journey;
 }
 
+// Whether no ray at all goes on from here. Rays that do not count go on where others have come to their limit.
 inline bool beyond_ruled_limit(const World& world, const Visit& visit) {
-  return visit.journey.counted >= world.description.recursion_limit ||
-         (!world.description.rules.transmission_counted && visit.used >= most_uncounted);
+  if (!world.description.rules.transmission_counted) return visit.used >= most_uncounted;
+  return visit.journey.counted >= world.description.recursion_limit;
 }
 
-inline bool is_cut(const Rules& rules, const Bands& path_weight) { return largest(path_weight) < rules.weight_cut; }
-
-// Takes out the rays that are not followed.
-inline void cut_by_weight(const Rules& rules, const Bands& path_weight, Onward& onward) {
+// Takes out the rays that are not followed: whose weight on the whole path is below the cut, or that are beyond the limit.
+inline void keep_followed(const World& world, const Visit& visit, const Bands& path_weight, Onward& onward) {
+  const Rules& rules = world.description.rules;
   int kept = 0;
   for (int i = 0; i < onward.count; ++i) {
-    if (!is_cut(rules, path_weight * onward.rays[i].weight)) onward.rays[kept++] = onward.rays[i];
+    const Onward::Ray& ray = onward.rays[i];
+    const bool counts = ray.branch != Branch::transmitted || rules.transmission_counted;
+    if (counts && visit.journey.counted >= world.description.recursion_limit) continue;
+    if (largest(path_weight * ray.weight) < rules.weight_cut) continue;
+    onward.rays[kept++] = ray;
   }
   onward.count = kept;
 }

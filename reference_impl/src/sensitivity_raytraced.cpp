@@ -165,7 +165,7 @@ template <class F> bool Steps<F>::branch_change(const Hit& hit, int branch, cons
   const Step part{step.normal * share, step.position * share};
   const SurfacePoint point = stepped(hit, hit.point, part);
   Onward onward = onward_from<F>(tracing_, hit.visit(point));
-  if constexpr (F::ruled) cut_by_weight(world_.description.rules, hit.weight, onward);
+  if constexpr (F::ruled) keep_followed(world_, hit.visit(point), hit.weight, onward);
   if (onward.total != hit.onward.total || onward.count != hit.onward.count) return false;
   const Found found = follow(hit, point, onward.rays[branch], length(part.position));
   if (found.signature != hit.found[branch].signature) return false;
@@ -210,7 +210,7 @@ template <class F> bool Steps<F>::visit(Hit& hit, Bands& total) {
   const double normal_step = bounds_.normal[object], position_step = bounds_.position_m[object];
   if (!at_the_limit<F>(tracing_, hit.visit(hit.point))) {
     hit.onward = onward_from<F>(tracing_, hit.visit(hit.point));
-    if constexpr (F::ruled) cut_by_weight(world_.description.rules, hit.weight, hit.onward);
+    if constexpr (F::ruled) keep_followed(world_, hit.visit(hit.point), hit.weight, hit.onward);
   }
   if (normal_step > 0 || position_step > 0) {
     hold(hit);
