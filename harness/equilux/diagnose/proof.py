@@ -29,13 +29,16 @@ BROKEN_SHARE, BROKEN_FEW = 0.01, 2
 
 @dataclass(frozen=True, eq=False)
 class Proof:
-    """A picture under causes, held against the renderer's. before, after: classes of the pixels, (h, w)."""
+    """A picture under causes, held against the renderer's. before, after: classes of the pixels, (h, w). scored: the comparison
+    under the causes.
+    """
 
     causes: Causes
     picture: npt.NDArray[np.float64]
     before: npt.NDArray[np.uint8]
     after: npt.NDArray[np.uint8]
     residual_max_abs: float | None
+    scored: PairResult
 
     @property
     def diverging(self) -> int:
@@ -117,4 +120,5 @@ class Court:
             RenderedImage(self.truth.adapter, picture, of_changed, truth_rank=self.truth.truth_rank),
             changed,
         )
-        return Proof(causes, picture, self.scored.planes["class"], result.planes["class"], result.json["max_abs"])
+        after = result.planes["class"]
+        return Proof(causes, picture, self.scored.planes["class"], after, result.json["max_abs"], result)

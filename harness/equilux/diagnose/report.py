@@ -16,7 +16,8 @@ from equilux.diagnose.unexplained import correlations
 from equilux_tracer.causes import Applied
 
 if TYPE_CHECKING:
-    from equilux.diagnose.search import Finding, Search
+    from equilux.diagnose.finding import Finding
+    from equilux.diagnose.search import Search
 
 Mask = npt.NDArray[np.bool_]
 

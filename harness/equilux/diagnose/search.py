@@ -14,6 +14,8 @@ from equilux.diagnose.bounds import PairBounds, Tilts
 from equilux.diagnose.catalogue import all_rules
 from equilux.diagnose.diagnosis import Diagnosis
 from equilux.diagnose.evidence import gather
+from equilux.diagnose.extension import extended
+from equilux.diagnose.finding import Finding
 from equilux.diagnose.fit import fitted, knobs_of, refine, rounded, started
 from equilux.diagnose.hypotheses import USUAL, Preference, Single, both_orders, every_hypothesis, ranked_pairs, single
 from equilux.diagnose.proof import Court, Proof, Restate
@@ -110,18 +112,6 @@ def diagnose_in_full(
 
 
 @dataclass(eq=False)
-class Finding:
-    """A proven set of causes. without: the proof with each left out (None: nothing is left). others: further sets of as many
-    causes that explain as much.
-    """
-
-    proof: Proof
-    without: tuple[Proof | None, ...]
-    others: tuple[Causes, ...] = ()
-    dialect_agrees: bool | None = None
-
-
-@dataclass(eq=False)
 class Search:
     """One diagnosis under way."""
 
@@ -149,7 +139,8 @@ class Search:
             found = self._proven(self._pairs(model))
         if found is None and not self.bench.out_of_time:
             found = self._proven(self._triples())
-        return found if found is not None else self._partial(model)
+        found = found if found is not None else self._partial(model)
+        return found if found is None else extended(self, found)
 
     # --- what is declared ---------------------------------------------------------------------------------------------
 
@@ -168,7 +159,7 @@ class Search:
             fewer = self.court.proof(tuple(other for other in proof.causes if other != applied))
             if fewer is not None and fewer.holds and fewer.explained >= proof.explained:
                 proof = fewer
-        return self._finding(proof, [])
+        return self.finding(proof, [])
 
     def _resolved(self, others: Causes, applied: Applied) -> Applied:
         """A declared cause whose parameter depends on the scene, with the value that fits best."""
@@ -333,10 +324,25 @@ class Search:
         proofs = [proof for trial in worth[:PROOFS] if (proof := self.court.proof(trial.causes)) is not None and proof.holds]
         if not proofs:
             return None
+        nearest = max(proofs, key=lambda proof: proof.explained)
+        proofs += [proof for causes in self._substitutes(nearest.causes) if (proof := self.court.proof(causes)) and proof.holds]
         most = max(proof.explained for proof in proofs)
         alike = [proof for proof in proofs if proof.explained >= most - 1e-3]
         best = min(alike, key=lambda proof: self._order(self.bench.trial(proof.causes)))
-        return self._finding(best, [proof.causes for proof in alike if proof is not best])
+        return self.finding(best, [proof.causes for proof in alike if proof is not best])
+
+    def _substitutes(self, causes: Causes) -> list[Causes]:
+        """Sets that have another cause in one place and do as well on the sample; of single causes all were tried before."""
+        found: list[Causes] = []
+        for place in range(len(causes) if len(causes) > 1 else 0):
+            for one in self.singles:
+                changed = (*causes[:place], one.applied, *causes[place + 1 :])
+                if self.bench.out_of_time or len(found) >= PROOFS:
+                    return found
+                trial = self.bench.trial(changed) if one.applied.cause not in _ids(causes) else None
+                if trial is not None and self._few(trial):
+                    found.append(changed)
+        return found
 
     def _order(self, trial: Trial | None) -> tuple[object, ...]:
         """Preferred names first; of those neither declared nor expected, the clearly nearer ones."""
@@ -345,7 +351,7 @@ class Search:
         nearness = int(trial.distance / len(trial.error) > 0.05)
         return (declared, expected, nearness, numbers, each)
 
-    def _finding(self, proof: Proof, others: Sequence[Causes]) -> Finding:
+    def finding(self, proof: Proof, others: Sequence[Causes]) -> Finding:
         without: list[Proof | None] = []
         for applied in proof.causes:
             rest = tuple(other for other in proof.causes if other != applied)
@@ -366,7 +372,7 @@ class Search:
                 if proof is not None and proof.harmless and self._says_much(proof):
                     best, least = proof, trial.missed + trial.broken - PARTIAL / 2 * diverging
                     break
-        return None if best is None else self._finding(best, [])
+        return None if best is None else self.finding(best, [])
 
     def _says_much(self, proof: Proof) -> bool:
         """Whether many *different* values are accounted for: black is hit by every rule that makes things black."""

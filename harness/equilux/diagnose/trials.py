@@ -111,6 +111,10 @@ class Bench(Workshop):
     _conditional: dict[tuple[Causes, bool], Evidence] = field(default_factory=dict)
 
     @property
+    def time_left_s(self) -> float:
+        return max(0.0, self.time_limit_s - (time.thread_time() - self._started[0]))
+
+    @property
     def out_of_time(self) -> bool:
         worked, passed = time.thread_time() - self._started[0], time.monotonic() - self._started[1]
         return worked > self.time_limit_s or passed > 5 * self.time_limit_s

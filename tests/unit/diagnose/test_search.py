@@ -128,6 +128,13 @@ def test_a_cause_that_explains_a_part_is_named_beside_the_unexplained_rest() -> 
     assert sum(cause.explained or 0 for cause in found.causes) == pytest.approx(1.0)
 
 
+def test_a_further_cause_of_a_few_pixels_is_found_in_what_the_first_leaves_over() -> None:
+    """20 of 3072 pixels: the first cause alone accounts for 99 %."""
+    found = diagnosed(faulty(two_balls(), Applied("scaled", 3.0), Applied("acme:dim-corner")))
+    assert [cause.id for cause in found.causes] == ["scaled", "acme:dim-corner"], found
+    assert found.explained == 1.0
+
+
 def test_pixels_that_are_not_finite_are_no_evidence() -> None:
     case = two_balls()
     picture = faulty(case, Applied("scaled", 3.0)).side.image.copy()
