@@ -63,3 +63,12 @@ def test_of_a_sweep_one_case_must_be_chosen(tiny: Path, truth: np.ndarray, tmp_p
     assert "an image is of one case, got 2: tiny[glow=0], tiny[glow=0.5]; choose one with --case-filter" in said.err
     assert equilux("score", tiny, image, "--case-filter", "*=0]").code == 0
     assert equilux("score", tiny, image, "--case-filter", "*=0.5]").code == 1
+
+
+def test_an_image_that_diverges_is_told_its_cause(tiny: Path, truth: np.ndarray, tmp_path: Path, equilux):
+    np.save(tmp_path / "image.npy", truth * np.pi)
+    said = equilux("score", tiny, tmp_path / "image.npy")
+    assert "cause: scaled [3.14159, which is π], 100 % of the diverging pixels" in said.out
+    pair = json.loads(equilux("score", tiny, tmp_path / "image.npy", "--json").out)
+    assert ([cause["id"] for cause in pair["causes"]], pair["explained"]) == (["scaled"], 1.0)
+    assert "cause:" not in equilux("score", tiny, tmp_path / "image.npy", "--no-diagnose").out
