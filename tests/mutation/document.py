@@ -88,7 +88,8 @@ A plain renderer of its own (`tests/mutation/`: NumPy, double precision, no code
 one fault, or two at once, and its pictures are judged and diagnosed as any adapter's. It states an error of at most
 {BUDGET.terms[0].abs:g} + {BUDGET.terms[0].rel:g} |L| and writes float32. Each mutant is tried on the first
 {SCENES_PER_MUTANT} scenes on which it is *visible*: on some pixel that no discontinuity crosses, its picture moves by more
-than the pair's B; of two faults, each must show beside the other. Scenes are corpus and made-up ones in turn, at most 64 × 48 pixels.
+than the pair's B; of two faults, each must show beside the other. Scenes are corpus and made-up ones in turn, at most 64 × 48
+pixels.
 
 A fault counts as *named* where the diagnosis gives exactly the injected causes and leaves nothing unexplained; a cause may also
 be listed among those which the scene provably cannot tell from the one given."""

@@ -120,20 +120,24 @@ def smoothed(weight: str) -> Callable[[TriangleMesh], TriangleMesh]:
     return change
 
 
-def in_triangles(around: int, *, smooth: bool, axis: int = 2) -> CaseEdit:
+def in_triangles(
+    around: int, *, smooth: bool, axis: int = 2, kinds: tuple[str, ...] = ("sphere", "cylinder", "disc")
+) -> CaseEdit:
     """Spheres become `around` × `around`/2 quadrilaterals of longitude and latitude about a coordinate axis, cylinders `around`
-    sides; each cut in two triangles.
+    sides, each cut in two triangles; discs a fan.
     """
 
     def edit(case: Case) -> Case:
         objects, arrays = list(case.scene.objects), dict(case.meshes)
         for index, obj in enumerate(objects):
+            if obj.kind not in kinds:
+                continue
             if obj.kind == "sphere":
                 arrays[index] = _ball(obj, around, smooth, axis)
             elif obj.kind == "cylinder":
                 arrays[index] = _tube(obj, around, smooth)
             else:
-                continue
+                arrays[index] = _fan(obj, around, smooth)
             objects[index] = Mesh.model_construct(kind="mesh", material=obj.material, transform=obj.transform, normals="flat")
         return dataclasses.replace(with_scene(case, objects=tuple(objects)), meshes=arrays)
 
@@ -162,11 +166,7 @@ def _ball(sphere: Any, around: int, smooth: bool, axis: int) -> TriangleMesh:
 def _tube(cylinder: Any, around: int, smooth: bool) -> TriangleMesh:
     base, top = np.array(cylinder.base, float), np.array(cylinder.top, float)
     axis = (top - base) / np.linalg.norm(top - base)
-    side = np.eye(3)[int(np.argmin(np.abs(axis)))]
-    u = np.cross(side, axis)
-    u /= np.linalg.norm(u)
-    phi = 2 * np.pi * np.arange(around) / around
-    out = np.outer(np.cos(phi), u) + np.outer(np.sin(phi), np.cross(axis, u))
+    out = _circle(axis, around)
     vertices, normals, faces = [*(base + cylinder.radius * out), *(top + cylinder.radius * out)], [*out, *out], []
     for k in range(around):
         a, b = k, (k + 1) % around
@@ -179,6 +179,22 @@ def _tube(cylinder: Any, around: int, smooth: bool) -> TriangleMesh:
             rim = [(first + 1 + k, first + 1 + (k + 1) % around) for k in range(around)]
             faces += [(first, a, b) if turn > 0 else (first, b, a) for a, b in rim]
     return TriangleMesh(np.array(vertices), np.array(faces), np.array(normals) if smooth else None)
+
+
+def _fan(disc: Any, around: int, smooth: bool) -> TriangleMesh:
+    normal = np.array(disc.normal, float) / np.linalg.norm(disc.normal)
+    center = np.array(disc.center, float)
+    vertices = np.array([center, *(center + disc.radius * _circle(normal, around))])
+    faces = np.array([(0, 1 + k, 1 + (k + 1) % around) for k in range(around)])
+    return TriangleMesh(vertices, faces, np.tile(normal, (around + 1, 1)) if smooth else None)
+
+
+def _circle(axis: Any, around: int) -> Any:
+    """Unit vectors across an axis, the first one across the coordinate axis that is farthest from it, too."""
+    u = np.cross(np.eye(3)[int(np.argmin(np.abs(axis)))], axis)
+    u /= np.linalg.norm(u)
+    phi = 2 * np.pi * np.arange(around) / around
+    return np.outer(np.cos(phi), u) + np.outer(np.sin(phi), np.cross(axis, u))
 
 
 # --- handedness -------------------------------------------------------------------------------------------------------

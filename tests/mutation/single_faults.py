@@ -104,9 +104,15 @@ GEOMETRY = (
     _m("reversed-normals", "", Faults(reversed_normals=True)),
     _m("normal-side", "as stored", Faults(side="as stored")),
     _m("normal-side", "by the interpolated normal", Faults(side="by N·V"), ALL, "normals.smooth"),
-    _m("tessellated", "24 around z, smooth", _case(edits.in_triangles(24, smooth=True)), LOCAL, suits=_curved),
-    _m("tessellated", "32 around y, smooth", _case(edits.in_triangles(32, smooth=True, axis=1)), LOCAL, suits=_curved),
-    _m("tessellated", "16 around z, flat", _case(edits.in_triangles(16, smooth=False)), LOCAL, suits=_curved),
+    _m("tessellated", "24 around z", _case(edits.in_triangles(24, smooth=True)), LOCAL, suits=_curved),
+    _m(
+        "tessellated",
+        "spheres only, 32 around y",
+        _case(edits.in_triangles(32, smooth=True, axis=1, kinds=("sphere",))),
+        LOCAL,
+        "shape.sphere",
+    ),
+    _m("tessellated", "16 around z, face normals", _case(edits.in_triangles(16, smooth=False)), LOCAL, suits=_curved),
     _m("vertex-lighting", "", Faults(at_vertices=True), LOCAL, "shape.mesh"),
 )
 
