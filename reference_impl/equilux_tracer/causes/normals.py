@@ -27,8 +27,8 @@ def _smoothed_readings() -> dict[str, str]:
         formula = "Σ face normal" if weight == "unweighted" else f"Σ {weight} × face normal"
         result[weight] = f"{formula} over the triangles that share the vertex"
         result[f"{weight}, merged"] = "the same, vertices at one position counting as one"
-    result["meshes only"] = "Σ area × angle × face normal, boxes as they are"
-    result["meshes only, merged"] = "the same, vertices at one position counting as one"
+    for name, words in list(result.items()):
+        result[", ".join(filter(None, ("meshes only", name)))] = words.split(";")[0] + "; boxes as they are"
     result["from the centre"] = "a box's normals point away from its centre"
     result["given"] = "the vertex normals that the file gives"
     return result
@@ -53,7 +53,7 @@ class SmoothedNormals(Rule):
                 useful = any(_given(case, index) is not None for index in flat)
             elif "merged" in reading:
                 useful = any(_has_copies(case.meshes[index]) for index in flat)
-            elif reading == "meshes only":
+            elif reading.startswith("meshes only"):
                 useful = bool(flat) and boxes
             else:
                 useful = bool(flat) or boxes
@@ -86,7 +86,7 @@ def _smooth_box(box: Box, reading: str) -> TriangleMesh:
 
 
 def _weight(reading: str) -> Weight:
-    name = reading.removeprefix("meshes only").removesuffix("merged").strip(", ")
+    name = ", ".join(part for part in reading.split(", ") if part not in ("meshes only", "merged"))
     return cast(Weight, name) if name else "area and angle"
 
 

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import ClassVar
 
 import numpy as np
+import numpy.typing as npt
 
 from equilux_scenes.case import Case
 from equilux_tracer.causes.rule import Applied, Evidence, Floats, Group, Rule, Vector
@@ -45,6 +46,8 @@ class Shifted(Rule):
         whole pixels also the reading that the border speaks for."""
         tracer = Tracer(evidence.case)
         found: dict[tuple[float, float], None] = {}
+        for whole in _blank_border(evidence.picture, evidence.truth):
+            found[float(whole[0]), float(whole[1])] = None
         for start in _correlated(evidence.picture, evidence.truth):
             dx, dy = _refined(tracer, evidence, start)
             near = round(dx * 4) / 4, round(dy * 4) / 4
@@ -117,7 +120,9 @@ def _correlated(picture: np.ndarray, truth: Floats) -> list[tuple[int, int]]:
     """The likeliest displacements in whole pixels, (dx, dy): peaks of the plain and of the whitened correlation."""
     height, width = truth.shape[:2]
     seen, model = (np.nan_to_num(np.asarray(image, np.float64)).sum(axis=2) for image in (picture, truth))
-    if seen.shape != model.shape or not np.ptp(seen) or not np.ptp(model):
+    if seen.shape != model.shape:
+        return []
+    if not np.ptp(seen) or not np.ptp(model):
         return []
     spectrum = np.fft.rfft2(seen - seen.mean()) * np.conj(np.fft.rfft2(model - model.mean()))
     result: dict[tuple[int, int], None] = {}
@@ -127,6 +132,25 @@ def _correlated(picture: np.ndarray, truth: Floats) -> list[tuple[int, int]]:
         dy, dx = divmod(int(np.argmax(correlation)), width)
         result[(dx + width // 2) % width - width // 2, (dy + height // 2) % height - height // 2] = None
     return list(result)
+
+
+def _blank_border(picture: npt.NDArray[np.floating], truth: Floats) -> list[tuple[int, int]]:
+    """The displacement that columns and rows of one value along the border speak for, where the model has them not: all there is
+    to see of a picture that is uniform otherwise."""
+
+    if picture.shape != truth.shape:
+        return []
+    seen, model = (np.nan_to_num(np.asarray(image, np.float64)).sum(axis=2) for image in (picture, truth))
+
+    def blank(lines: Floats, true: Floats) -> int:
+        same = (
+            (np.ptp(lines, axis=1) == 0) & (lines[:, 0] == lines[0, 0]) & ~np.isclose(lines, true, rtol=1e-6, atol=0).all(axis=1)
+        )
+        return int(np.argmin(same)) if not same.all() else 0
+
+    dx = blank(seen.T, model.T) - blank(seen.T[::-1], model.T[::-1])
+    dy = blank(seen, model) - blank(seen[::-1], model[::-1])
+    return [(dx, dy)] if dx or dy else []
 
 
 def _residual(tracer: Tracer, evidence: Evidence, shift: tuple[float, float]) -> Floats:

@@ -79,6 +79,17 @@ def test_a_smoothed_cube_is_shaded_like_a_sphere():
     assert_same(with_cause(case, "smoothed-normals", None, "from the centre"), expected, relative=1e-9)
 
 
+@pytest.mark.parametrize("weight", ["", "area", "angle", "unweighted"])
+def test_boxes_may_stay_as_they_are_where_meshes_are_smoothed(weight):
+    box = {"kind": "box", "min": [0.2, 0.1, 0.3], "max": [0.6, 0.5, 0.9], "material": "clay"}
+    both = lopsided(objects=[ROOF, box])
+    normals = smooth(FLAT_ROOF.meshes[0], weight or "area and angle", merged=False).vertex_normals
+    expected = lopsided(objects=[as_mesh(ROOF["vertices"], ROOF["faces"], normals), box])
+    reading = f"meshes only, {weight}" if weight else "meshes only"
+    assert_same(with_cause(both, "smoothed-normals", None, reading), picture(expected), relative=1e-9)
+    assert reading in [name for _, name in tried(both, "smoothed-normals")]
+
+
 def test_a_box_of_triangles_is_the_box():
     box = {"kind": "box", "min": [-0.5, -0.4, -0.3], "max": [0.6, 0.3, 0.5], "material": "clay"}
     for shared in (False, True):

@@ -104,6 +104,14 @@ def test_the_border_tells_what_comes_in(reading):
     assert (best.parameter, best.reading) == ((-9.0, 4.0), reading)
 
 
+def test_a_uniform_picture_is_known_to_be_displaced_by_its_black_border():
+    sheet = {"kind": "plane", "point": [0, 0, 0], "normal": [0, 0, 1], "material": "glow"}
+    case = lopsided(objects=[sheet], lights={}, materials={"glow": {"emission": 0.7}}, ambient=0)
+    shown = with_cause(case, "shifted", (-2.0, 1.0), "black")
+    best = RULES["shifted"].estimates(Applied("shifted"), evidence_of(case, shown))[0]
+    assert (best.parameter, best.reading) == ((-2.0, 1.0), "black")
+
+
 def test_the_field_of_view_on_the_horizontal_axis_is_that_of_a_camera_with_the_vertical_one_worked_out():
     half = math.tan(math.radians(38) / 2)
     for reading, tangent in [("", half * 16 / 24), ("converted", half * 24 / 16), ("diagonal", half * 16 / math.hypot(24, 16))]:
