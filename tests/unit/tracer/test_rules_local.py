@@ -107,7 +107,7 @@ def test_reversed_normals_light_the_other_side():
 
 
 def check(case, rules, formula, to_viewer=None, sign=1):
-    """The rules' channels against the formula's. Returns the largest change that the rules make, relative to the brightest pixel."""
+    """The rules' channels against the formula's. Returns the largest change that they make, of the brightest pixel."""
     film = case.scene.film
     x, y = np.meshgrid(np.arange(film.width) + 0.5, np.arange(film.height) + 0.5)
     film_xy = np.stack([x.ravel(), y.ravel()], axis=1)
