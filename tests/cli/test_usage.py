@@ -45,7 +45,9 @@ BAD = [
     (["adapters", "lits"], ['Unknown command "lits"', 'Did you mean "list"?']),
     (["adapters", "list", "all"], ["all"]),
     (["score", "nowhere", "image.exr"], ["no such file or folder: 'nowhere'"]),
-    (["explain", "run", "case", "a", "b"], ['Unknown command "explain"']),
+    (["explain", "run", "case", "a", "b"], ["'run': no such folder"]),
+    (["diff", "full", "full"], ["'full' is no results tree"]),
+    (["explian"], ['Unknown command "explian"', 'Did you mean "explain"?']),
 ]
 
 
