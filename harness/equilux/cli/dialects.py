@@ -9,7 +9,7 @@ from equilux.cli.inputs import shown
 from equilux.complaint import BadUsage
 
 
-def dialects(run: Path, /, *, out: Path = Path("docs/dialects")) -> int:
+def dialects(run: Path, /, *, out: Path = Path("docs/dialects"), fit: bool = True) -> int:
     """Write what each renderer's dialect is: a page per adapter that declares one and took part, with the evidence of the run.
 
     Exit code: 0 the pages were written, 2 bad usage.
@@ -20,10 +20,12 @@ def dialects(run: Path, /, *, out: Path = Path("docs/dialects")) -> int:
         Folder of the results tree.
     out
         Folder of the pages.
+    fit
+        Find the parameters anew, as if none were declared; needs the scenes as they were rendered.
     """
     from equilux.diagnosing import known_rules
     from equilux.dialect import declared_dialect
-    from equilux.dialects.evidence import gathered
+    from equilux.dialects.evidence import gathered, with_fits
     from equilux.dialects.page import page
     from equilux.readrun import read_run
     from equilux.registry import Registry
@@ -36,8 +38,11 @@ def dialects(run: Path, /, *, out: Path = Path("docs/dialects")) -> int:
             continue
         try:
             evidence = gathered(read, entry.name, getattr(entry.adapter, "title", entry.name), dialect)
-        except ValueError as problem:
-            raise BadUsage(f"'{run}': a diagnosis of {entry.name} cannot be read: {' '.join(str(problem).split())}") from problem
+            if fit:
+                with_fits(evidence, read, rules)
+        except (OSError, ValueError, KeyError) as problem:
+            why = " ".join(str(problem).split())
+            raise BadUsage(f"'{run}': what it holds of {entry.name} cannot be read: {why}") from problem
         target = out / f"{entry.name}.md"
         try:
             out.mkdir(parents=True, exist_ok=True)

@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
-from dataclasses import dataclass, field
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any
 
 from equilux.diagnose.diagnosis import Diagnosis, Found
 from equilux.diagnosing import load
 from equilux.dialect import Declared
 from equilux.judge import UNEXPLAINED
 from equilux.readrun import ReadRun
+
+if TYPE_CHECKING:
+    from equilux_tracer.causes import Rule
 
 
 @dataclass(frozen=True)
@@ -21,6 +25,8 @@ class Seen:
     found: Found
     alone: bool
     """Whether it was the only cause found there."""
+    fitted: Any = None
+    """Its parameter as the search finds it when it is told none (`refit.py`); None where that was not asked, or nothing found."""
 
 
 @dataclass
@@ -54,6 +60,21 @@ def gathered(run: ReadRun, adapter: str, title: str, dialect: Sequence[Declared]
         if diagnosis is not None:
             _sorted_in(out, case.case, diagnosis)
     return out
+
+
+def with_fits(evidence: Evidence, run: ReadRun, rules: Mapping[str, Rule]) -> None:
+    """Find the number of each declared rule anew, on the cases where it is the only cause."""
+    from equilux.dialects.refit import refitted
+
+    records = {case.case: case for case in run.results.cases}
+    for declared, seen in evidence.declared:
+        rule = rules.get(declared.cause)
+        if rule is None or rule.parameter is None:
+            continue
+        for index, each in enumerate(seen):
+            found = refitted(run, records[each.case], evidence.adapter, rule) if each.alone else None
+            if found is not None:
+                seen[index] = replace(each, fitted=found.parameter)
 
 
 def _sorted_in(out: Evidence, case: str, diagnosis: Diagnosis) -> None:

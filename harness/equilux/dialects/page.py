@@ -38,7 +38,8 @@ def _head(evidence: Evidence) -> str:
         f"What {evidence.title} always does otherwise than the lighting model says: {rules}, declared by its adapter and put to "
         "the test. A rule is proven on a case where the reference, rendered under it, shows what the renderer shows, within the "
         "uncertainty of both. *Explained* is the share of the diverging pixels that would diverge again if this rule alone were "
-        "left out; *left* the largest difference that remains with all rules of the case applied.\n\n"
+        "left out; *left* the largest difference that remains with all rules of the case applied; *fitted* the parameter as it "
+        "is found when none is given.\n\n"
         f"From a run of equilux {evidence.equilux} with {evidence.title} {evidence.version}: "
         f"of {counted(evidence.cases, 'case')} {listed(counts) if counts else 'none was compared'}. "
         "Written by `equilux dialects`; not edited by hand.\n"
@@ -79,12 +80,16 @@ def _where(evidence: Evidence, declared: Declared) -> str:
 
 def _table(seen: Sequence[Seen]) -> list[str]:
     with_parameter = any(each.found.parameter is not None for each in seen)
-    header = ["case", *(["parameter"] if with_parameter else []), "explained", f"left, {UNIT}"]
+    with_fit = any(each.fitted is not None for each in seen)
+    numbers = [*(["parameter"] if with_parameter else []), *(["fitted"] if with_fit else [])]
+    header = ["case", *numbers, "explained", f"left, {UNIT}"]
     lines = [f"| {' | '.join(header)} |", f"| {' | '.join('---' for _ in header)} |"]
     for each in seen:
         cells = [f"`{each.case}`" + ("" if each.alone else " (with others)")]
         if with_parameter:
             cells.append(_cell(parameter(each.found.parameter)))
+        if with_fit:
+            cells.append(_cell(parameter(each.fitted)))
         cells += [_share(each), short(each.found.residual_max_abs) if each.found.residual_max_abs is not None else ""]
         lines.append(f"| {' | '.join(cells)} |")
     return [*lines, ""]

@@ -6,18 +6,23 @@ import re
 from collections.abc import Iterable
 from pathlib import Path
 
+import numpy as np
 import pytest
 
+from equilux import uncertainty
+from equilux.adapter import Bound, Budget, Geometric
 from equilux.cli import run_command
 from equilux.diagnose.catalogue import all_rules
 from equilux.diagnose.diagnosis import Diagnosis, Found
 from equilux.diagnosing import save
 from equilux.dialect import Declared, declared_dialect
-from equilux.dialects.evidence import Evidence, gathered
+from equilux.dialects.evidence import Evidence, gathered, with_fits
 from equilux.dialects.page import page
+from equilux.dialects.refit import budget_of
 from equilux.readrun import ReadRun
 from equilux.registry import Registry
 from equilux.results import CaseRecord, Finding, RenderRecord, Results, RunRecord, Standing, summarise
+from equilux_tracer.causes import Rule
 
 DIALECT = (
     Declared("exponent-clamped", 128.0, quirk="Q5"),
@@ -119,3 +124,40 @@ def test_the_command_writes_a_page_for_each_adapter_of_the_run_that_declares_a_d
 def test_the_published_page_lists_exactly_what_the_adapter_declares(name: str):
     declared = declared_dialect(Registry.discover().entries[name].adapter)
     assert headings((PAGES / f"{name}.md").read_text()) == [rule.cause for rule in declared], "run: equilux dialects RUN"
+
+
+def test_a_number_is_found_anew_where_the_rule_is_the_only_cause(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    clamped = Found(id="exponent-clamped", parameter=128.0, explained=1.0, declared=True)
+    made = run(
+        tmp_path,
+        [case("alone", "model-difference"), case("both", "model-difference")],
+        {"alone": diagnosis(clamped), "both": diagnosis(clamped, Found(id="half-vector", declared=True))},
+    )
+    asked: list[tuple[str, str]] = []
+
+    def refitted(_: ReadRun, record: CaseRecord, adapter: str, rule: Rule) -> Found:
+        asked.append((record.case, rule.id))
+        return Found(id=rule.id, parameter=128.03)
+
+    monkeypatch.setattr("equilux.dialects.refit.refitted", refitted)
+    evidence = gathered(made, "vtk", "VTK", DIALECT)
+    with_fits(evidence, made, all_rules())
+    assert asked == [("alone", "exponent-clamped")]
+    text = page(evidence, all_rules())
+    assert "| case | parameter | fitted | explained |" in text
+    assert "| `alone` | 128 | 128.03 | 100 % |" in text
+    assert "| `both` (with others) | 128 |  | 100 % |" in text
+
+
+def test_a_budget_is_read_back_from_what_render_json_says_of_it():
+    image = np.full((2, 2, 3), 0.5, np.float32)
+    budget = Budget(
+        (
+            Bound("b", "why", abs=1e-3, rel=1e-4),
+            Geometric("g", "why", normal={1: 0.5}, position_m=0.25, film_px=0.1),
+            Bound("storage", "why", rel=2.0**-24),
+        )
+    )
+    terms = uncertainty.stated(budget, image).to_json()["terms"]
+    assert budget_of(terms) == budget
+    assert budget_of(uncertainty.stated(Budget((Bound("map", "why", abs=image),)), image).to_json()["terms"]) is None
