@@ -44,7 +44,7 @@ def terms(case: Case, formula: Formula, object_id: Any, point: Array, normal: Ar
     exponent = np.array([[material.exponent] for material in materials])
     diffuse, specular = [], []
     radiance = bands("emission") + bands("ambient") * np.array(scene.ambient)
-    for light in scene.lights.values():
+    for light in scene.delta_lights.values():
         irradiance, to_light = plain_phong.arriving(light, point)
         cosine = _dot(normal, to_light)
         mirrored = _dot(2 * cosine * normal - to_light, to_viewer)
