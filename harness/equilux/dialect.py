@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any
 
-from equilux_scenes.causes import is_known
+from equilux_scenes.causes import CAUSES, is_known
 
 if TYPE_CHECKING:
     from equilux_scenes.case import Case
@@ -59,6 +59,19 @@ def complaints_about(dialect: Any) -> list[str]:
     wrong = [f"dialect holds a {type(part).__name__}, expected Declared" for part in dialect if not isinstance(part, Declared)]
     unknown = [part.cause for part in dialect if isinstance(part, Declared) and not is_known(part.cause)]
     return [*wrong, *(f"dialect: no cause has the id {cause!r}" for cause in unknown)]
+
+
+def told(dialect: Sequence[Declared], rules: Mapping[str, Any]) -> list[dict[str, Any]]:
+    """A dialect for run.json, with the words and the formula of each rule: whoever reads a results tree has no rules at hand."""
+    out = []
+    for declared in dialect:
+        rule = rules.get(declared.cause)
+        formula = None
+        if rule is not None:
+            formula = [rule.formula[0], rule.readings.get(declared.reading, "") or rule.formula[1]]
+        words = rule.summary if rule is not None else CAUSES.get(declared.cause, "")
+        out.append({**asdict(declared), "words": words, "formula": formula})
+    return out
 
 
 def dialect_on(case: Case, dialect: Sequence[Declared], rules: Mapping[str, Any]) -> tuple[Applied, ...]:

@@ -22,7 +22,7 @@ from equilux.brdf.ofcase import materials_json
 from equilux.caserecord import case_line, case_record
 from equilux.casework import CaseWork, Provenance
 from equilux.diagnosing import TIME_LIMIT_S, Method, known_rules, unusable_rules
-from equilux.dialect import declared_dialect
+from equilux.dialect import declared_dialect, told
 from equilux.identity import render_key
 from equilux.job import Outcome
 from equilux.judge import FAILED, exit_code
@@ -280,8 +280,10 @@ class _Run:
         """run.json: written before the first render, so that an interrupted tree is known for what it is, and once more at the
         end."""
         options = self._options
+        rules = known_rules() if options.diagnose else {}
         adapters = {
             entry.name: {
+                "title": getattr(entry.adapter, "title", entry.name),
                 "version": entry.version,
                 "distribution": f"{entry.distribution} {entry.distribution_version}",
                 "found": entry.probe.found,
@@ -290,6 +292,7 @@ class _Run:
                 "knobs": self._knobs.get(entry.name, {}),
                 "named": entry.name in self._plan.named,
                 "added": entry.name in self._plan.added,
+                "dialect": told(self._dialects.get(entry.name, ()), rules),
             }
             for entry in self._plan.entries
         }
