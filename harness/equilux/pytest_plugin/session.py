@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 
 from equilux.adapter import Case, Limits
 from equilux.ci import RunView
+from equilux.ci.view import shown
 from equilux.complaint import BadUsage
 from equilux.knobs import resolve
 from equilux.plan import RUN, Plan, Selection, make_plan, select_adapters
@@ -63,7 +64,7 @@ class Conductor:
         try:
             names = _names(self.settings.adapters)
             selection = select_adapters(Registry.discover(), names)
-            check_usable(self.settings.out)
+            check_usable(Path(shown(self.settings.out)))
             self._options(Path())
             try:
                 limits = SpecLimits.from_options(self.settings.limits)
