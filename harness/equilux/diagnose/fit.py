@@ -23,6 +23,8 @@ STEPS = 12
 GOLDEN = (math.sqrt(5) - 1) / 2
 UNBOUNDED = 1e9
 """Limit of a component of a vector, in its unit."""
+PROMISING = 0.99
+"""A fit is pursued only if it brings the picture nearer than the other causes alone do, by at least this much."""
 ROUND_WITHIN = 0.02
 """A fitted value is taken for a rounder one only if they differ by less than this: further off, a wide uncertainty would turn
 any value into a round one."""
@@ -142,6 +144,9 @@ def fitted(bench: Bench, causes: Causes, free: int, trials: Sequence[Trial] | No
         refined.append(refine(bench, start, knobs) if knobs else start)
     best = min(refined, key=lambda trial: trial.badness)
     knobs = knobs_of(best.causes, bench, fixed)
+    others = bench.trial(causes[:free] + causes[free + 1 :])
+    if others is not None and best.distance > PROMISING * others.distance and best.missed >= others.missed:
+        return best
     if len(knobs) == 1 and best.missed:
         best = min((best, _golden(bench, best, knobs[0], trials)), key=lambda trial: trial.badness)
     return rounded(bench, best, knobs)

@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from equilux.diagnose.fit import fitted
 from equilux.diagnose.trials import Bench, Causes, Trial, changes_film, changes_values, ordered
-from equilux_tracer.causes import Applied, Rule, is_neutral
+from equilux_tracer.causes import Applied, Discrete, Rule, is_neutral
 
 Mask = npt.NDArray[np.bool_]
 
@@ -30,6 +30,10 @@ class Preference:
         return any(
             declared.cause == applied.cause and declared.parameter in (None, applied.parameter) for declared in self.dialect
         )
+
+    def is_unheard_of(self, applied: Applied) -> bool:
+        """Neither declared nor expected."""
+        return applied.cause not in self.expected and all(declared.cause != applied.cause for declared in self.dialect)
 
     def of(self, applied: Applied) -> tuple[bool, bool, int, int, int]:
         """Sorts the preferred one first. A parameter that names a light or an order is worth less than none, and more than a
@@ -74,6 +78,12 @@ def every_hypothesis(bench: Bench, preference: Preference) -> list[Applied]:
         except Exception as problem:
             bench.refused[(Applied(rule.id),)] = f"hypotheses: {type(problem).__name__}: {problem}"
     return sorted(dict.fromkeys(found), key=preference.of)
+
+
+def is_costly(bench: Bench, applied: Applied) -> bool:
+    """Whether its parameter is found only by making many meshes: tried once the cheap causes have failed."""
+    kind = bench.rules[applied.cause].parameter
+    return applied.parameter is None and isinstance(kind, Discrete) and kind.name == "segments"
 
 
 def single(bench: Bench, hypothesis: Applied, model: Trial) -> Single | None:

@@ -17,7 +17,7 @@ from equilux.diagnose.evidence import gather
 from equilux.diagnose.extension import extended
 from equilux.diagnose.finding import Finding
 from equilux.diagnose.fit import fitted, knobs_of, refine, rounded, started
-from equilux.diagnose.hypotheses import USUAL, Preference, Single, both_orders, every_hypothesis, ranked_pairs, single
+from equilux.diagnose.hypotheses import USUAL, Preference, Single, both_orders, every_hypothesis, is_costly, ranked_pairs, single
 from equilux.diagnose.proof import Court, Proof, Restate
 from equilux.diagnose.trials import Bench, Causes, Trial, ordered
 from equilux.edges import film_delta_px
@@ -68,8 +68,8 @@ def diagnose(
 
     scored: their comparison (`compare_pair(side, truth, …)`). restate: the side's uncertainty with its geometric terms
     propagated through a changed tracer; None: as it is stated. dialect: what the adapter declares for this case. expected: ids
-    of causes that the scene expects of it. time_limit_s: after it no new hypothesis is begun. Pixels that are not finite are no
-    evidence; a picture of another size has no diagnosis.
+    of causes that the scene expects of it. time_limit_s: after so many seconds of work no new hypothesis is begun. Pixels that
+    are not finite are no evidence; a picture of another size has no diagnosis.
     """
     return diagnose_in_full(
         case, side, truth, scored, restate=restate, dialect=dialect, expected=expected, rules=rules, time_limit_s=time_limit_s
@@ -133,8 +133,11 @@ class Search:
             declared = self._declared()
             if declared is not None:
                 return declared
-        self._try_singles(model)
-        found = self._proven([one.trial for one in self.singles])
+        hypotheses = every_hypothesis(self.bench, self.preference)
+        late = [one for one in hypotheses if is_costly(self.bench, one) and self.preference.is_unheard_of(one)]
+        found = self._proven(self._try_singles([one for one in hypotheses if one not in late], model))
+        if found is None:
+            found = self._proven(self._try_singles(late, model))
         if found is None and not self.bench.out_of_time:
             found = self._proven(self._pairs(model))
         if found is None and not self.bench.out_of_time:
@@ -177,8 +180,8 @@ class Search:
 
     # --- singles, pairs, triples --------------------------------------------------------------------------------------
 
-    def _try_singles(self, model: Trial) -> None:
-        for hypothesis in every_hypothesis(self.bench, self.preference):
+    def _try_singles(self, hypotheses: Sequence[Applied], model: Trial) -> list[Trial]:
+        for hypothesis in hypotheses:
             if self.bench.out_of_time:
                 break
             if hypothesis.parameter is None and self.bench.rules[hypothesis.cause].parameter is not None:
@@ -187,6 +190,7 @@ class Search:
             if found is not None:
                 self.singles.append(found)
                 self.tried[found.trial.causes] = found.trial
+        return [one.trial for one in self.singles]
 
     def _try_usual(self, model: Trial) -> None:
         """Usual values of what has a number, beside the fitted ones."""
@@ -225,9 +229,11 @@ class Search:
     def _with_numbers(self, seeds: Sequence[Causes]) -> list[Trial]:
         """Each seed with each cause that has a number, fitted beside it where its starting values promise anything."""
         found: list[Trial] = []
-        for seed in seeds:
+        costly = [hypothesis for hypothesis in self.numeric if is_costly(self.bench, hypothesis)]
+        cheap = [hypothesis for hypothesis in self.numeric if hypothesis not in costly]
+        for seed, hypotheses in [*((seed, cheap) for seed in seeds), *((seed, costly) for seed in seeds[: SEEDS // 2])]:
             alone = self.bench.trial(seed)
-            for hypothesis in self.numeric:
+            for hypothesis in hypotheses:
                 if self.bench.out_of_time:
                     return found
                 if alone is None or hypothesis.cause in _ids(seed):

@@ -21,6 +21,8 @@ Causes = tuple[Applied, ...]
 
 KEPT_TRACERS = 48
 """Tracers of changed scenes that are kept for what changes their picture."""
+QUICK_S = 20e-6
+"""Below this much per position the sample is evaluated by one thread."""
 KEPT_PICTURES = 1000
 """Samples of changed scenes that are kept; some 20 kB each."""
 
@@ -98,9 +100,9 @@ class Bench(Workshop):
     sample: Sample
     bounds: PairBounds
     time_limit_s: float = float("inf")
-    """After so many seconds of this thread's own work nothing new is tried: a busy machine must not change what is found. Five
+    """After so many seconds of this process's work nothing new is tried: a busy machine must not change what is found. Three
     times as long by the clock is the limit in any case."""
-    _started: tuple[float, float] = field(default_factory=lambda: (time.thread_time(), time.monotonic()))
+    _started: tuple[float, float] = field(default_factory=lambda: (time.process_time(), time.monotonic()))
     tried: int = 0
     tilts: Tilts | None = None
     """Geometric uncertainty: what it does to the radiance is another question under other causes."""
@@ -112,12 +114,12 @@ class Bench(Workshop):
 
     @property
     def time_left_s(self) -> float:
-        return max(0.0, self.time_limit_s - (time.thread_time() - self._started[0]))
+        return max(0.0, self.time_limit_s - (time.process_time() - self._started[0]))
 
     @property
     def out_of_time(self) -> bool:
-        worked, passed = time.thread_time() - self._started[0], time.monotonic() - self._started[1]
-        return worked > self.time_limit_s or passed > 5 * self.time_limit_s
+        worked, passed = time.process_time() - self._started[0], time.monotonic() - self._started[1]
+        return worked > self.time_limit_s or passed > 3 * self.time_limit_s
 
     def trial(self, causes: Causes) -> Trial | None:
         """None where the hypothesis cannot be rendered."""
@@ -215,6 +217,11 @@ class Bench(Workshop):
         missed = int((wrong & self.sample.diverging).sum())
         return Trial(causes, radiance, bound, error, missed, int(wrong.sum()) - missed, float(np.log1p(error).sum()))
 
+    @property
+    def _threads(self) -> int:
+        """One for what takes a millisecond: starting others would take as long."""
+        return 1 if self.sample.seconds_per_position < QUICK_S else 0
+
     def _shown(self, causes: Causes) -> tuple[Floats, Floats]:
         key = (self._of_scene(causes), tuple(applied for applied in causes if _changes(self.rules[applied.cause], "change_film")))
         changed = self.changed(causes)
@@ -222,7 +229,7 @@ class Bench(Workshop):
         if key not in self._seen:
             if len(self._seen) >= KEPT_PICTURES:
                 del self._seen[next(iter(self._seen))]
-            found = changed.of_scene.evaluate(changed.looked_at(film_xy), ("radiance", *ERROR_CHANNELS))
+            found = changed.of_scene.evaluate(changed.looked_at(film_xy), ("radiance", *ERROR_CHANNELS), threads=self._threads)
             self._seen[key] = found["radiance"], error_of(found)
         radiance, error = self._seen[key]
         if not any(_changes(self.rules[applied.cause], "change_radiance") for applied in causes):
