@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
+from types import SimpleNamespace
+from typing import Any, ClassVar
 
 import numpy as np
 import pytest
@@ -63,12 +64,43 @@ def test_what_diverges_is_diagnosed_and_what_agrees_is_not(tmp_path: Path, searc
     assert not (tmp_path / "run" / "cases" / "tiny" / "good" / "diagnosis.json").exists()
 
 
-def test_pairs_with_either_truth_and_with_peers_say_what_was_found(tmp_path: Path, search: Search):
+class Accounts:
+    """Stands for what renders show under their causes: tells whom it was given, and explains every pair alike."""
+
+    given: ClassVar[list[tuple[str, bool]]] = []
+
+    def __init__(self, case: Any, truth: RenderedImage, rules: Any) -> None:
+        assert truth.adapter == "oracle"
+
+    def add(self, side: RenderedImage, scored: Any, diagnosis: Diagnosis | None, *, restate: Any = None) -> None:
+        assert (scored.json["a"], scored.json["b"]) == (side.adapter, "oracle")
+        self.given.append((side.adapter, diagnosis is not None))
+
+    def explain(self, a: str, b: str, classes: np.ndarray) -> SimpleNamespace:
+        return SimpleNamespace(explained=0.75, causes=(Found(id="scaled", side="bright"), Found(id="unexplained")))
+
+
+def test_pairs_with_either_truth_say_what_was_found(tmp_path: Path, search: Search):
     case = only_case(run(tmp_path / "run", "bright", "good", "reference", diagnose=True))
-    for other, explained in (("oracle", 1.0), ("reference", 1.0), ("good", None)):
-        pair = pair_of(case, "bright", other)
-        assert ([(found.id, found.side) for found in pair.causes], pair.explained) == ([("scaled", "bright")], explained), other
+    for truth in ("oracle", "reference"):
+        pair = pair_of(case, "bright", truth)
+        assert ([(found.id, found.side) for found in pair.causes], pair.explained) == ([("scaled", "bright")], 1.0), truth
     assert pair_of(case, "good", "oracle").causes == []
+
+
+def test_pairs_of_peers_say_what_was_found_of_both_and_remember_it(
+    tmp_path: Path, search: Search, monkeypatch: pytest.MonkeyPatch
+):
+    monkeypatch.setattr("equilux.diagnose.peers.Accounts", Accounts)
+    monkeypatch.setattr(Accounts, "given", [])
+    for name in ("one", "two"):
+        finished = run(tmp_path / name, "bright", "good", "talkative", store=tmp_path / "store", diagnose=True)
+        assert finished.errors == ()
+        for peer in ("good", "talkative"):
+            pair = pair_of(only_case(finished), "bright", peer)
+            assert ([found.id for found in pair.causes], pair.explained) == (["scaled", "unexplained"], 0.75)
+    assert Accounts.given == [("bright", True), ("good", False), ("talkative", False)]
+    assert pair_of(only_case(finished), "good", "talkative").causes == []
 
 
 def test_another_cause_than_the_expected_one_is_unexpected(tmp_path: Path, search: Search):
