@@ -12,7 +12,13 @@ from typing import Literal
 class ShadingRules:
     """Each field's default is the model's own rule. With all at their defaults the kernels have no code for any of them.
 
-    N, V, L, R, H, T, K, t, k as in lighting_model.md; all directions unit.
+    N, V, L, R, H, T, K, t, k as in lighting_model.md; all directions unit. A field that a scene's model has no use for changes
+    nothing. Channels, path signature and sensitivity follow the changed rules; channel `rounding` stays a bound.
+
+    Model reflection-equation: lights without an extent follow the fields as in model phong, shadows included. Of the integrals
+    over emitters and environment these fields are known: normal_side, normals_reversed, viewer, occlusion, vertex_lighting,
+    diffuse_two_sided, highlight_two_sided and highlight_ungated (both: the hemisphere behind N counts, too), highlight_cosine;
+    half_vector, specular_floor and shadow_bias_m leave them as they are.
     """
 
     normal_side: Literal["model", "as-given", "facing-viewer"] = "model"
@@ -26,13 +32,14 @@ class ShadingRules:
     """|N·L| in place of max(0, N·L) in the diffuse term of light from in front and from behind alike (raytraced: of both L_1
     and L_2's local terms)."""
     highlight_two_sided: bool = False
-    """Light from behind makes the highlight that it would make about −N."""
+    """Light from behind makes the highlight that it would make about −N: (−N·H)^p; R about −N is R about N."""
     highlight_ungated: bool = False
     """No gate: K_spec max(0, R·V)^p also where N·L ≤ 0, with R = 2 (N·L) N − L as the formula stands."""
     highlight_cosine: bool = False
-    """The highlight is multiplied by max(0, N·L) (with `highlight_ungated`: by |N·L|)."""
+    """The highlight is multiplied by max(0, N·L) (from behind, and with `highlight_ungated`: by |N·L|). One of brdf phong-cosine
+    has its cosine already and gets no second one."""
     specular_floor: float = 0.0
-    """max(floor, R·V)^p (or N·H) in place of max(0, R·V)^p, wherever the gate is open."""
+    """max(floor, R·V)^p (or N·H, T·V) in place of max(0, R·V)^p, wherever the gate is open."""
     transmitted_highlight: bool = True
     """raytraced: False: light from behind makes no highlight."""
     highlight_weighted: bool = True
@@ -50,14 +57,17 @@ class ShadingRules:
     """along-ray: what a shadow ray meets before `shadow_bias_m` is missed. along-normal: the ray starts that far off the surface
     along N, and ends in the light as always."""
     weight_cut: float = 0.0
-    """Secondary rays whose weight (its largest band) is below are not followed."""
+    """Secondary rays whose weight (the whole path's, its largest band) is below are not followed."""
     total_reflection: Literal["one", "mirror", "transmitted", "none"] = "one"
     """Weight of the mirror ray where light is totally reflected. one: 1. mirror: (1 − t) k_refl. transmitted: t k_trans on top of
     (1 − t) k_refl. none: 0."""
     nested_media: bool = False
-    """A ray that enters an object inside another one bends from the outer object's index, not from 1."""
+    """A ray that enters an object inside another one bends from the outer object's index, not from 1, and when it leaves, back
+    into it; T likewise. Media are spheres, boxes, capped cylinders and planes with t > 0, and meshes of an index other than 1;
+    all else with t > 0 is passed straight. The eye may be in all but meshes."""
     transmission_counted: bool = True
-    """False: transmitted rays do not count towards the recursion limit (256 in all are followed)."""
+    """False: transmitted rays do not count towards the recursion limit: they go on where it has been reached (at most 256 rays in
+    succession are followed). Totally reflected ones count."""
     front_weighted: bool = True
     """raytraced: False: L_1 is not multiplied by 1 − t (local terms and mirror ray)."""
     behind_weighted: bool = True
@@ -66,7 +76,8 @@ class ShadingRules:
     """With `behind_weighted` False: surfaces with t = 0 have an L_2, too."""
     vertex_lighting: bool = False
     """Meshes: the radiance that leaves each vertex (with the vertex normal; flat meshes: the face normal) is interpolated
-    linearly over the triangle (perspective-correct). Other shapes are shaded as always."""
+    linearly over the triangle (perspective-correct). V goes from the vertex to where the triangle is seen from; shadows are those
+    of the vertices; mirrored and transmitted rays are each point's own. Other shapes are shaded as always."""
 
 
 MODEL_RULES = ShadingRules()

@@ -104,6 +104,9 @@ class Tracer:
         Model raytraced: this sum for every hit of every path, L what leaves the hit, times the path's weight; at each step the
         secondary rays are followed anew (reference_impl/src/sensitivity.h). It takes as long as some dozens of pictures.
 
+        Changed rules: L is what they make of N and P. With `vertex_lighting` each vertex has its own errors, which add up with
+        the vertices' weights, and δP also moves the point between them.
+
         Raises TracerError for a bound that is negative or not finite, Cancelled.
         """
         objects = len(self.case.scene.objects)

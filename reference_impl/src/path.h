@@ -87,7 +87,8 @@ template <class F> Bands local_terms(Tracing& tracing, const Visit& visit, const
 }
 
 template <class F> Onward onward_from(const Tracing& tracing, const Visit& visit) {
-  if constexpr (F::ruled) return ruled_onward(tracing.world.description.rules, visit.point, visit.material, ruled_indices_at(tracing, visit));
+  const Rules& rules = tracing.world.description.rules;
+  if constexpr (F::ruled) return ruled_onward(rules, visit.point, visit.material, ruled_indices_at(tracing, visit));
   return onward_of_model<F>(visit.point, visit.material);
 }
 
@@ -154,7 +155,8 @@ template <class F> bool follow_all(Tracing& tracing, std::size_t sample, const S
     }
     SurfacePoint point = surface_point(tracing.world, next.ray, hit);
     if constexpr (F::ruled) turn_normal(tracing.world.description.rules, point);
-    shade<F>(tracing, {point, material_of(tracing.world, point.object), next.weight, next.used, next.branch, sample, next.spread, next.journey});
+    const MaterialDescription& material = material_of(tracing.world, point.object);
+    shade<F>(tracing, {point, material, next.weight, next.used, next.branch, sample, next.spread, next.journey});
   }
   return true;
 }

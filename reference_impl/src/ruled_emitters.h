@@ -25,7 +25,8 @@ inline bool ruled_visibility(ShadowRays& shadows, const World& world, const Ligh
   return !rules.occlusion || biased_shadow(shadows, world, light, place, arriving).share.any();
 }
 
-inline Reflecting ruled_reflecting(const Rules& rules, const ShadedPoint& point, const Vec3d& to_viewer, const MaterialDescription& material) {
+inline Reflecting ruled_reflecting(const Rules& rules, const ShadedPoint& point, const Vec3d& to_viewer,
+                                   const MaterialDescription& material) {
   Reflecting at;
   at.point = point;
   at.specular = specular_coefficient(material).any();
@@ -41,7 +42,8 @@ inline ShadedPoint shaded_point(const SurfacePoint& place) {
 }
 
 // The integrals over one emitter, about N, and about −N where light from behind counts.
-inline Integral ruled_integral(DirectLight& direct, int emitter, const Rules& rules, const Reflecting& at, Terms weight, double error_target) {
+inline Integral ruled_integral(DirectLight& direct, int emitter, const Rules& rules, const Reflecting& at, Terms weight,
+                               double error_target) {
   Integral total = direct.from(emitter, at, weight, error_target);
   const Terms behind{rules.diffuse_two_sided ? weight.diffuse : 0,
                      rules.highlight_two_sided || rules.highlight_ungated ? weight.specular : 0};
@@ -55,6 +57,8 @@ inline Integral ruled_integral(DirectLight& direct, int emitter, const Rules& ru
     total.error = total.error + from_behind.error;
     total.reached = total.reached && from_behind.reached;
   }
+  // With R below the horizon a lobe's tail is all that is left, and its quadrature may leave −1e-35.
+  total.value = {std::fmax(0, total.value.diffuse), std::fmax(0, total.value.specular)};
   return total;
 }
 

@@ -99,7 +99,8 @@ inline double highlight_cosine(const Formula& formula, double cosine, bool behin
 // in_front, behind: the gates, which a sensitivity holds while N·L moves. lobe(side): (R·V)⁺^p or (N·H)⁺^p about side × N, side ±1.
 // transmitted(): (T·V)⁺^p.
 template <class Lobe, class Transmitted>
-LightShares light_shares(const Formula& formula, double cosine, bool in_front, bool behind, const Lobe& lobe, const Transmitted& transmitted) {
+LightShares light_shares(const Formula& formula, double cosine, bool in_front, bool behind, const Lobe& lobe,
+                         const Transmitted& transmitted) {
   const Rules& rules = formula.rules;
   const SideWeights& weights = formula.weights;
   LightShares shares;

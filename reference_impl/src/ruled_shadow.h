@@ -9,7 +9,8 @@
 namespace equilux {
 
 // With no bias at all: the model's own shadow.
-inline Shadow biased_shadow(ShadowRays& shadows, const World& world, const Light& light, const SurfacePoint& place, const Arriving& arriving) {
+inline Shadow biased_shadow(ShadowRays& shadows, const World& world, const Light& light, const SurfacePoint& place,
+                            const Arriving& arriving) {
   const Rules& rules = world.description.rules;
   const bool at_infinity = light.given.kind == LightKind::directional;
   const double infinity = std::numeric_limits<double>::infinity();
