@@ -29,7 +29,7 @@ def pytest_runtest_logreport(report):
             file.write(json.dumps([report.nodeid, report.outcome, str(report.longrepr), dict(report.user_properties)]) + "\\n")
 """
 RAMP = "fakes:ramp"
-ADAPTERS = "good,matte,raising,nan,absent"
+ADAPTERS = "good,matte,raising,absent"
 """The fakes paint a ramp, which the real truths do not."""
 
 
@@ -42,6 +42,10 @@ class Session:
     items: dict[str, tuple[str, str, dict[str, str]]]
 
 
+ONLY_WHAT_IS_NEEDED = ("-p", "no:hypothesispytest", "-p", "no:regressions", "-p", "no:playwright", "-p", "no:timeout")
+"""Other people's plugins, which only take time here."""
+
+
 def environment(folder: Path, **more: str) -> dict[str, str]:
     kept = {name: value for name, value in os.environ.items() if not name.startswith(("PYTEST_", "GITHUB_"))}
     return kept | {"EQUILUX_CACHE": str(folder / ".cache"), "PYTHONPATH": str(LABORATORIES), "COLUMNS": "240"} | more
@@ -52,7 +56,7 @@ def session(folder: Path, *arguments: str, **more: str) -> Session:
     (folder / "conftest.py").write_text(CONFTEST)
     outcomes = folder / "outcomes.jsonl"
     outcomes.unlink(missing_ok=True)
-    command = [sys.executable, "-m", "pytest", "-p", "no:cacheprovider", "-p", "no:randomly", *arguments]
+    command = [sys.executable, "-m", "pytest", "-p", "no:cacheprovider", *ONLY_WHAT_IS_NEEDED, *arguments]
     done = subprocess.run(
         command, cwd=folder, capture_output=True, text=True, env=environment(folder, OUTCOMES=str(outcomes), **more), timeout=240
     )
@@ -244,6 +248,7 @@ def test_a_session_without_scenes_loads_nothing_of_equilux(tmp_path: Path):
 @pytest.fixture
 def here(pytester: pytest.Pytester, monkeypatch: pytest.MonkeyPatch) -> pytest.Pytester:
     """Sessions in this process, which see few adapters; one scene in `specs/`."""
+    monkeypatch.setenv("PYTEST_DISABLE_PLUGIN_AUTOLOAD", "1")  # other people's plugins only take time here
     monkeypatch.setattr(Registry, "discover", classmethod(lambda cls: registry("good", "absent", "matte", "reference")))
     write_scene(pytester.path / "specs/plain.scene.yaml", "plain")
     return pytester
@@ -251,7 +256,8 @@ def here(pytester: pytest.Pytester, monkeypatch: pytest.MonkeyPatch) -> pytest.P
 
 def listed(here: pytest.Pytester, *arguments: str) -> tuple[int, list[str], str]:
     """Exit code, node ids and output of a session that only collects."""
-    made = here.runpytest_inprocess("--collect-only", "-q", "-p", "no:cacheprovider", *arguments)
+    alone = ("-p", "no:cacheprovider", "-p", "xdist", "-p", "equilux.pytest_plugin")
+    made = here.runpytest_inprocess("--collect-only", "-q", *alone, *arguments)
     text = made.stdout.str() + made.stderr.str()
     return int(made.ret), [line for line in made.outlines if f"{SUFFIX}::" in line], text
 
