@@ -295,30 +295,29 @@ def _golden(bench: Bench, best: Trial, knob: Knob, trials: Sequence[Trial]) -> T
 # --- round values -----------------------------------------------------------------------------------------------------
 
 
-def rounded(bench: Bench, trial: Trial, knobs: Sequence[Knob]) -> Trial:
-    """The same with rounder numbers, or named ones, where they explain as much."""
+def rounded(bench: Bench, trial: Trial, knobs: Sequence[Knob], *, exactly: bool = False) -> Trial:
+    """The same with rounder numbers, or named ones, where they explain as much. exactly: judged as a proof will judge."""
     for knob in knobs:
         value = value_of(trial.causes, knob)
         reach = ROUND_WITHIN * abs(value)
-        for candidate, _ in scales.candidates(value, value - reach, value + reach):
+        for candidate, name in scales.candidates(value, value - reach, value + reach):
             if not knob.low <= candidate <= knob.high:
                 continue
             if candidate == value:
                 break
             tried = bench.passing_trial(with_value(trial.causes, knob, candidate))
-            if tried is not None and _as_good(tried, trial):
+            if tried is None:
+                continue
+            pair = (bench.exact(tried), bench.exact(trial)) if exactly else (tried, trial)
+            if _as_good(*pair, has_name=name is not None):
                 trial = tried
                 break
     return trial
 
 
-def _as_good(tried: Trial, best: Trial) -> bool:
+def _as_good(tried: Trial, best: Trial, *, has_name: bool) -> bool:
     """No pixel worse off, and hardly farther away over all: with a parameter that is far from the true one the distance grows
-    long before pixels leave their uncertainty.
+    long before pixels leave their uncertainty. A value with a name is believed more readily than one of few digits.
     """
-    return tried.badness[0] <= best.badness[0] and tried.distance <= 1.05 * best.distance + 0.02 * len(best.error)
-
-
-def starts_of(hypothesis: Applied) -> Applied:
-    """A hypothesis as it was before it was fitted."""
-    return replace(hypothesis, parameter=None)
+    longer, beyond = (1.5, 0.1) if has_name else (1.05, 0.02)
+    return tried.badness[0] <= best.badness[0] and tried.distance <= longer * best.distance + beyond * len(best.error)

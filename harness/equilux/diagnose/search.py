@@ -327,6 +327,8 @@ class Search:
     def _proven(self, trials: Iterable[Trial]) -> Finding | None:
         """The best of those that hold; the others that hold as well are its alternatives."""
         worth = sorted((trial for trial in trials if self.plausible(trial)), key=self._order)
+        if self.bench.tilts is not None:
+            worth = [rounded(self.bench, trial, knobs_of(trial.causes, self.bench), exactly=True) for trial in worth[:PROOFS]]
         proofs = [proof for trial in worth[:PROOFS] if (proof := self.court.proof(trial.causes)) is not None and proof.holds]
         if not proofs:
             return None
