@@ -26,7 +26,7 @@ from equilux_tracer import Tracer
 from equilux_tracer.causes import Applied, Rule
 
 MOST_CAUSES = 3
-PROOFS = 8
+PROOFS = 16
 """Hypotheses of one size that are proven in full, at most."""
 PLAUSIBLE = 0.05
 """Share of the sampled pixels, wrong and right, that a hypothesis may miss and still be worth a proof."""
