@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from equilux_scenes.causes import CAUSES
 from mutation.rivals import NAMES
-from mutation.trial import BUDGET, SCENES_PER_MUTANT, Trial
+from mutation.trial import ALMOST_ALL, BUDGET, SCENES_PER_MUTANT, Trial
 
 if TYPE_CHECKING:
     from mutation.suite import Results
@@ -91,8 +91,8 @@ one fault, or two at once, and its pictures are judged and diagnosed as any adap
 than the pair's B; of two faults, each must show beside the other. Scenes are corpus and made-up ones in turn, at most 64 × 48
 pixels.
 
-A fault counts as *named* where the diagnosis gives exactly the injected causes and leaves nothing unexplained; a cause may also
-be listed among those which the scene provably cannot tell from the one given."""
+A fault counts as *named* where the diagnosis gives exactly the injected causes, and they account for {ALMOST_ALL:.0%} of the
+diverging pixels at least; a cause may also be listed among those which the scene provably cannot tell from the one given."""
 
 
 def _figures(results: Results) -> list[tuple[str, str, str]]:

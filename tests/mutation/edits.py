@@ -66,7 +66,7 @@ def falloff(**terms: float) -> CaseEdit:
 def _with_falloff(light: Any, terms: dict[str, float]) -> Any:
     fall = light.attenuation.model_copy(update=terms)
     if fall.constant == fall.linear == fall.quadratic == 0:
-        return light  # nobody divides by 0: a renderer without the only term there is would not have shown this light at all
+        fall = fall.model_copy(update={"constant": 1.0})  # nobody divides by 0: no term is left, and nothing falls off
     return light.model_copy(update={"attenuation": fall})
 
 

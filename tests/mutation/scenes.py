@@ -216,6 +216,9 @@ def _make_transport(rng: random.Random, spec: Spec, variant: str) -> None:
     if variant == "pool":
         water = {"transmission": [0.95, 0.97, 0.98], "reflection": [0.04, 0.04, 0.05], "transparency": 0.97, "ior": 1.33}
         spec["materials"]["water"] = water
+        # in the water clear glass and nothing open: which medium begins behind a sheet of gauze is anybody's guess
+        spec["materials"]["glass"] |= {"diffuse": 0.0, "specular": 0.0}
+        spec["materials"]["gauze"] |= {"transparency": 0.0}
         spec["objects"].append({"kind": "plane", "point": [0, 0.15, 0], "normal": [0.02, 1, 0.03], "material": "water"})
 
 

@@ -38,6 +38,9 @@ BUDGET = Budget(
 )
 """What the renderer states: `unmutated` cases prove that it holds."""
 SCENES_PER_MUTANT = 6
+ALMOST_ALL = 0.98
+"""Share of the diverging pixels that the causes found must account for; what is left is then said to be unexplained, and is no
+other cause."""
 TIME_LIMIT_S = 120.0
 """For one diagnosis; so high that it never decides what is found, whatever else the machine does."""
 
@@ -150,12 +153,13 @@ def _name(trial: Trial, on: Staged, side: RenderedImage, scored: PairResult) -> 
             }
         )  # fmt: skip
     trial.explained, trial.seconds = diagnosis.explained, diagnosis.seconds
-    trial.named = rightly_named(trial.causes, trial.found)
+    almost_all = trial.explained >= ALMOST_ALL
+    trial.named = rightly_named(trial.causes, [c for c in trial.found if not (almost_all and c["id"] == "unexplained")])
 
 
 def rightly_named(injected: tuple[str, ...], found: list[dict[str, Any]]) -> bool:
     """Whether the causes found are the injected ones, one for one: each by its own id or among those that the scene cannot tell
-    from it. Anything more, `unexplained` too, is wrong.
+    from it. Anything more is wrong.
     """
     if len(injected) != len(found):
         return False
