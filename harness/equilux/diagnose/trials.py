@@ -100,9 +100,9 @@ class Bench(Workshop):
     sample: Sample
     bounds: PairBounds
     time_limit_s: float = float("inf")
-    """After so many seconds of this process's work nothing new is tried: a busy machine must not change what is found. Three
+    """After so many seconds of its own thread's work nothing new is tried: a busy machine must not change what is found. Three
     times as long by the clock is the limit in any case."""
-    _started: tuple[float, float] = field(default_factory=lambda: (time.process_time(), time.monotonic()))
+    _started: tuple[float, float] = field(default_factory=lambda: (time.thread_time(), time.monotonic()))
     tried: int = 0
     tilts: Tilts | None = None
     """Geometric uncertainty: what it does to the radiance is another question under other causes."""
@@ -114,11 +114,11 @@ class Bench(Workshop):
 
     @property
     def time_left_s(self) -> float:
-        return max(0.0, self.time_limit_s - (time.process_time() - self._started[0]))
+        return max(0.0, self.time_limit_s - (time.thread_time() - self._started[0]))
 
     @property
     def out_of_time(self) -> bool:
-        worked, passed = time.process_time() - self._started[0], time.monotonic() - self._started[1]
+        worked, passed = time.thread_time() - self._started[0], time.monotonic() - self._started[1]
         return worked > self.time_limit_s or passed > 3 * self.time_limit_s
 
     def trial(self, causes: Causes) -> Trial | None:

@@ -146,7 +146,7 @@ class _Trials:
         self._off: dict[tuple[Style, int], float] = {}
         self._found = False
         self._left = MOST_TRIANGLES
-        self._end = time.process_time() + MOST_SECONDS
+        self._end = time.thread_time() + MOST_SECONDS
 
     def window(self, style: Style) -> tuple[int, int]:
         """The least and the largest number of segments that change the picture about as much as it is changed."""
@@ -173,7 +173,7 @@ class _Trials:
     def of_all(self, style: Style, counts: Iterable[int]) -> None:
         """Try these numbers of segments."""
         for count in counts:
-            if (style, count) not in self._off and not self._found and self._left > 0 and time.process_time() < self._end:
+            if (style, count) not in self._off and not self._found and self._left > 0 and time.thread_time() < self._end:
                 self._try(style, count)
 
     def best(self, number: int, *, by_style: bool = False) -> list[tuple[Style, int]]:
