@@ -65,6 +65,10 @@ class ShadingRules:
     """A ray that enters an object inside another one bends from the outer object's index, not from 1, and when it leaves, back
     into it; T likewise. Media are spheres, boxes, capped cylinders and planes with t > 0, and meshes of an index other than 1;
     all else with t > 0 is passed straight. The eye may be in all but meshes."""
+    media_counted: bool = False
+    """As `nested_media`, but whether a ray enters an object or leaves it is told by counting, not by the side that it meets: it is
+    in what it went through once and not a second time. A ray that an interpolated normal sent to the wrong side of its face is
+    taken for what it is not. A mesh wound inwards has the inverse index inside."""
     transmission_counted: bool = True
     """False: transmitted rays do not count towards the recursion limit: they go on where it has been reached (at most 256 rays in
     succession are followed). Totally reflected ones count."""

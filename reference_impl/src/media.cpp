@@ -18,8 +18,14 @@ bool is_medium(const World& world, int object) {
   }
 }
 
+double index_inside(const World& world, int object) {
+  const double ior = material_of(world, object).ior;
+  const auto inside_out = [&](const MeshObject& mesh) { return mesh.object == object && mesh.inside_out; };
+  return std::any_of(world.meshes.begin(), world.meshes.end(), inside_out) ? 1 / ior : ior;
+}
+
 double Media::index(const World& world, int stack) const {
-  return stack < 0 ? 1 : material_of(world, entries_[static_cast<std::size_t>(stack)].object).ior;
+  return stack < 0 ? 1 : index_inside(world, entries_[static_cast<std::size_t>(stack)].object);
 }
 
 double Media::index_without(const World& world, int stack, int object) const {

@@ -1,4 +1,5 @@
-// Which media a ray is in, under the rule `nested_media`: the objects that it entered and has not left, innermost last.
+// Which media a ray is in, under the rules `nested_media` and `media_counted`: the objects that it entered and has not left, innermost
+// last.
 #pragma once
 
 #include <vector>
@@ -16,6 +17,10 @@ struct Journey {
 // Whether entering the object leads into another medium: closed shapes and planes, and meshes whose index is not 1 (those are closed, too;
 // a mesh of index 1 need not be, and is passed straight).
 bool is_medium(const World& world, int object);
+
+// The index inside an object. Whoever counts crossings knows no outward side: under `media_counted` the inside of a mesh wound inwards has
+// the inverse index.
+double index_inside(const World& world, int object);
 
 // The stacks of all rays of a sample, which share their lower parts. A stack is the number of its innermost entry, −1: outside of all.
 class Media {

@@ -9,29 +9,45 @@ namespace equilux {
 
 // --- media and limits -----------------------------------------------------------------------------------------------------
 
+inline bool follows_media(const Rules& rules) { return rules.nested_media || rules.media_counted; }
+
+// Whether the ray goes into the object rather than out of it: by the side that was hit, or under `media_counted` by what it is in.
+inline bool enters(const Rules& rules, const Media& media, int medium, const SurfacePoint& point) {
+  return rules.media_counted ? !media.contains(medium, point.object) : point.outside;
+}
+
 // Under `nested_media` entering an object leads from the innermost of the media that the ray is in into the object, leaving it from the
 // innermost into what is innermost without it. An object that was not entered (the eye is in it) has its own index all the same.
 inline Indices ruled_indices_at(const Tracing& tracing, const Visit& visit) {
   const World& world = tracing.world;
   const SurfacePoint& point = visit.point;
   const int object = point.object, medium = visit.journey.medium;
-  if (!world.description.rules.nested_media) return own_indices(point, visit.material);
+  const Rules& rules = world.description.rules;
+  if (!follows_media(rules)) return own_indices(point, visit.material);
   const double innermost = tracing.media.index(world, medium);
   if (!is_medium(world, object)) return {innermost, innermost};
-  if (point.outside) return {innermost, visit.material.ior};
+  if (enters(rules, tracing.media, medium, point)) return {innermost, index_inside(world, object)};
   if (!tracing.media.contains(medium, object)) return {visit.material.ior, innermost};
   return {innermost, tracing.media.index_without(world, medium, object)};
+}
+
+// Whether the eye is inside the mesh that its ray met first.
+inline bool seen_from_inside(const World& world, const SurfacePoint& point) {
+  if (point.mesh < 0 || !is_medium(world, point.object)) return false;
+  return point.outside == world.meshes[static_cast<std::size_t>(point.mesh)].inside_out;
 }
 
 // Of a camera ray: what there is to know before its first surface is shaded. The point gets the rules' N.
 inline Journey first_journey(Tracing& tracing, const FilmRay& ray, SurfacePoint& point) {
   const World& world = tracing.world;
   Journey journey;
-  if (world.description.rules.nested_media) {
+  const Rules& rules = world.description.rules;
+  if (follows_media(rules)) {
     tracing.media.clear();
     journey.medium = tracing.media.around(world, world.camera.origin(ray));
+    if (rules.media_counted && seen_from_inside(world, point)) journey.medium = tracing.media.entered(journey.medium, point.object);
   }
-  turn_normal(world.description.rules, point);
+  turn_normal(rules, point);
   return journey;
 }
 
@@ -39,9 +55,10 @@ inline Journey journey_beyond(const World& world, Media& media, const Visit& vis
   Journey journey = visit.journey;
   const bool through = ray.branch == Branch::transmitted;
   if (!through || world.description.rules.transmission_counted) ++journey.counted;
-  if (through && world.description.rules.nested_media && is_medium(world, visit.point.object)) {
-    const int object = visit.point.object;
-    journey.medium = visit.point.outside ? media.entered(journey.medium, object) : media.left(journey.medium, object);
+  const Rules& rules = world.description.rules;
+  if (through && follows_media(rules) && is_medium(world, visit.point.object)) {
+    const int object = visit.point.object, medium = journey.medium;
+    journey.medium = enters(rules, media, medium, visit.point) ? media.entered(medium, object) : media.left(medium, object);
   }
   return journey;
 }

@@ -30,6 +30,7 @@ struct Rules {
   double weight_cut = 0;
   TotalReflection total_reflection = TotalReflection::one;
   bool nested_media = false;
+  bool media_counted = false;
   bool transmission_counted = true;
   bool front_weighted = true;
   bool behind_weighted = true;

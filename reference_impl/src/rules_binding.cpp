@@ -92,6 +92,7 @@ void set_rules(Rules& rules, const nb::kwargs& given) {
   fields.read("weight_cut", rules.weight_cut);
   fields.read("total_reflection", rules.total_reflection, total_reflections);
   fields.read("nested_media", rules.nested_media);
+  fields.read("media_counted", rules.media_counted);
   fields.read("transmission_counted", rules.transmission_counted);
   fields.read("front_weighted", rules.front_weighted);
   fields.read("behind_weighted", rules.behind_weighted);

@@ -110,9 +110,20 @@ void World::place_mesh(int index, const Placement& placement) {
   mesh.object = index;
   mesh.given = description.meshes[static_cast<std::size_t>(description.objects[static_cast<std::size_t>(index)].mesh)].get();
   mesh.placement = placement;
+  if (description.rules.media_counted) mesh.inside_out = wound_inwards(mesh);
   if (meshes.size() == boxes->vertices.size()) boxes->vertices.push_back(seen_by_camera(index, mesh));
   mesh.vertices = boxes->vertices[meshes.size()];
   meshes.push_back(std::move(mesh));
+}
+
+bool World::wound_inwards(const MeshObject& mesh) {
+  const Vec3d middle = to_double(mesh.vertex(mesh.given->faces.front()[0]));
+  double volume = 0;
+  for (const auto& corner : mesh.given->faces) {
+    const auto at = [&](std::size_t k) { return to_double(mesh.vertex(corner[k])) - middle; };
+    volume += dot(at(0), cross(at(1), at(2)));
+  }
+  return volume < 0;
 }
 
 // The mesh's vertices in the camera's frame.

@@ -38,6 +38,7 @@ struct MeshObject {
   int object = 0;
   const MeshDescription* given = nullptr;
   Placement placement;
+  bool inside_out = false;                // wound inwards; looked at under the rule `media_counted` only
   std::span<const CameraPoint> vertices;  // Boxes holds them
 
   Vec3dd vertex(std::uint32_t index) const { return placement.linear * exactly(given->vertices[index]) + placement.origin; }
@@ -97,6 +98,7 @@ class World {
  private:
   void place_object(int index);
   void place_mesh(int index, const Placement& placement);
+  static bool wound_inwards(const MeshObject& mesh);
   std::vector<CameraPoint> seen_by_camera(int index, const MeshObject& mesh) const;
   void prepare_lights();
   void find_features();

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import ClassVar, Literal
 
 from equilux_scenes.case import Case
@@ -57,16 +57,28 @@ class TirWeight(CheckedRule):
 
 
 class NestedMedia(CheckedRule):
-    """A ray that enters an object inside another one bends from the outer object's index: POV-Ray keeps a stack of media
-    (Q43)."""
+    """A ray that enters an object inside another one bends from the outer object's index. POV-Ray keeps a stack of media, and
+    tells by it alone whether a ray enters or leaves (Q36, Q43): one that an interpolated normal sent to the wrong side of its
+    face bends the wrong way at the next one."""
 
     id = "nested-media"
     group = "transport"
     formula = ("1 outside each object", "outside an object the index of the one around it")
+    readings: ClassVar[Mapping[str, str]] = {
+        "": "the side that the ray meets says whether it enters or leaves",
+        "counted": "the ray is in what it went through once and not a second time, whichever side it meets (POV-Ray Q36)",
+    }
 
     def touches(self, scene: Scene) -> bool:
-        transparent = [obj for obj in scene.objects if scene.materials[obj.material].transparency > 0]
-        return _bends(scene) and len(transparent) > 1
+        return _bends(scene)
+
+    def values(self, case: Case, reading: str) -> Sequence[None]:
+        transparent = [i for i, obj in enumerate(case.scene.objects) if case.scene.materials[obj.material].transparency > 0]
+        # only beyond an interpolated normal are the two sides told apart otherwise than by counting
+        smooth = any(i in case.meshes and case.meshes[i].vertex_normals is not None for i in transparent)
+        return (None,) if (smooth if reading == "counted" else len(transparent) > 1) else ()
 
     def change_shading(self, rules: ShadingRules, applied: Applied) -> ShadingRules:
+        if applied.reading == "counted":
+            return dataclasses.replace(rules, media_counted=True)
         return dataclasses.replace(rules, nested_media=True)
