@@ -16,7 +16,7 @@ _NO_HIGHLIGHT = Capability("approximate", "light from behind makes no highlight:
 DIALECT: Sequence[Declared] = (
     Declared("normal-side", reading="facing the viewer", quirk="Q19"),
     Declared("transmitted-highlight-missing", quirk="Q39"),
-    Declared("nested-media", quirk="Q43"),
+    Declared("nested-media", reading="counted", quirk="Q43"),
     Declared("shadow-bias", quirk="Q37"),
 )
 """What POV-Ray always does otherwise than the model says. How long the bias is depends on the unit that a scene is written
