@@ -10,7 +10,22 @@ from importlib.resources import files
 
 from equilux_report import colour
 
-STYLES = ("tokens", "base", "controls", "verdict", "overview", "skyline", "matrix", "charts", "case", "brdf", "viewer", "print")
+STYLES = (
+    "tokens",
+    "base",
+    "controls",
+    "verdict",
+    "overview",
+    "skyline",
+    "matrix",
+    "charts",
+    "case",
+    "why",
+    "dialects",
+    "brdf",
+    "viewer",
+    "print",
+)
 SCRIPTS = (
     "namespace",
     "theme",
@@ -28,6 +43,7 @@ SCRIPTS = (
     "toolbar",
     "viewer",
     "matrix",
+    "dialects",
     "copy",
     "router",
 )

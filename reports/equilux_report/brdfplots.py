@@ -85,9 +85,7 @@ def reflectance_plot(curves: Sequence[Curve], title: str, *, style: str = STYLE)
     parts.append(f'<path class="one" d="M{left} {one:.1f}H{right}"/>')
     for curve in curves:
         shown = [(a, v) for a, v in zip(curve.study["rho_deg"], curve.study["rho"], strict=True) if v <= top]
-        points = " ".join(
-            f"{left + (right - left) * a / 90:.1f},{bottom - (bottom - top_y) * v / top:.1f}" for a, v in shown
-        )
+        points = " ".join(f"{left + (right - left) * a / 90:.1f},{bottom - (bottom - top_y) * v / top:.1f}" for a, v in shown)
         parts.append(f'<polyline class="curve {curve.band}" points="{points}"><title>{_BANDS[curve.band]}</title></polyline>')
     beyond = f", up to {largest:.3g}" if largest > top else ""
     parts.append(
@@ -122,9 +120,7 @@ def _arrow(x0: float, y0: float, x1: float, y1: float) -> str:
     ux, uy = (x1 - x0) / length, (y1 - y0) / length
     points = ((0.0, 0.0), (-9.0, 4.0), (-9.0, -4.0))
     return (
-        '<path class="head" d="M'
-        + "L".join(f"{x1 + a * ux - b * uy:.1f} {y1 + a * uy + b * ux:.1f}" for a, b in points)
-        + 'z"/>'
+        '<path class="head" d="M' + "L".join(f"{x1 + a * ux - b * uy:.1f} {y1 + a * uy + b * ux:.1f}" for a, b in points) + 'z"/>'
     )
 
 

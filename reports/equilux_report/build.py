@@ -14,6 +14,7 @@ from pathlib import Path
 from equilux_report import png
 from equilux_report.calibration import calibrations
 from equilux_report.casepage import CasePage, case_page
+from equilux_report.dialects import dialects
 from equilux_report.links import Links
 from equilux_report.overview import overview
 from equilux_report.pages import Pages
@@ -71,7 +72,12 @@ def _write_folder(tree: Run, pictures: dict[str, CasePictures], folder: Path) ->
         for name, data in found.thumbnails.items():
             (folder / "thumbnails" / case / f"{name}.png").write_bytes(data)
     links = Links(single_file=False)
-    view = overview(tree, links, lambda case, name: links.thumbnail(case, name) if name in pictures[case].thumbnails else None)
+
+    def thumbnail(case: str, name: str) -> str | None:
+        return links.thumbnail(case, name) if name in pictures[case].thumbnails else None
+
+    view = overview(tree, links, thumbnail)
+    (folder / "dialects.html").write_text(pages.dialects_page(tree, dialects(tree, links, thumbnail), links), encoding="utf-8")
     (folder / "index.html").write_text(pages.overview_page(tree, view, calibrations(tree), links), encoding="utf-8")
     (folder / "cases").mkdir()
     inner = Links(single_file=False, root="../")
@@ -81,14 +87,18 @@ def _write_folder(tree: Run, pictures: dict[str, CasePictures], folder: Path) ->
 
 def _write_single(tree: Run, pictures: dict[str, CasePictures], folder: Path) -> None:
     pages, links = Pages(single_file=True), Links(single_file=True)
-    view = overview(
-        tree,
-        links,
-        lambda case, name: png.data_uri(pictures[case].thumbnails[name]) if name in pictures[case].thumbnails else None,
-    )
+
+    def thumbnail(case: str, name: str) -> str | None:
+        return png.data_uri(pictures[case].thumbnails[name]) if name in pictures[case].thumbnails else None
+
+    view = overview(tree, links, thumbnail)
     cases = _case_pages(tree, pictures, links, [row.case.name for row in view.rows])
     with (folder / "index.html").open("w", encoding="utf-8") as stream:
-        stream.writelines(pages.single_page(tree, view, calibrations(tree), cases, links, _payloads(pictures)))
+        stream.writelines(
+            pages.single_page(
+                tree, view, calibrations(tree), dialects(tree, links, lambda *_: None), cases, links, _payloads(pictures)
+            )
+        )
 
 
 def _payloads(pictures: dict[str, CasePictures]) -> Iterator[tuple[str, str]]:

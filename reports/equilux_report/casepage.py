@@ -9,10 +9,13 @@ from typing import Any
 from equilux_report import words
 from equilux_report.brdfs import BrdfView, brdf_views
 from equilux_report.calibration import Bin, rebin
+from equilux_report.causes import causes_of
 from equilux_report.facts import Facts, count, mapping, number, numbers, objects, text
 from equilux_report.links import Links
 from equilux_report.programfiles import ProgramFile, program_files
+from equilux_report.standing import Expectation, Standing, expectations_of, standing_of
 from equilux_report.tree import CaseRecord, Pair, Render
+from equilux_report.why import Why, why_of, whys
 
 PHASES = ("translate", "start", "render", "read")
 
@@ -25,6 +28,7 @@ class Statement:
     words: str
     pair: str | None
     worst: tuple[int, int] | None
+    why: Why | None = None
 
 
 @dataclass(frozen=True)
@@ -72,6 +76,9 @@ class CasePage:
     renders: tuple[RenderView, ...]
     config: Mapping[str, Any]
     brdfs: tuple[BrdfView, ...]
+    whys: tuple[Why, ...]
+    standings: tuple[Standing, ...]
+    expectations: tuple[Expectation, ...]
     previous: CaseRecord | None
     next: CaseRecord | None
 
@@ -96,6 +103,9 @@ def case_page(
         tuple(_render_view(case.renders[name]) for name in _order(case)),
         _config(case, ordered, links, packed, stops),
         brdf_views(case),
+        whys(case, ordered),
+        tuple(standing for name in _order(case) if (standing := standing_of(case.renders[name])) is not None),
+        expectations_of(case),
         *neighbours,
     )
 
@@ -110,7 +120,9 @@ def _statements(case: CaseRecord) -> list[Statement]:
     for adapter, render in case.renders.items():
         pair = case.against_truth(adapter) if adapter != case.truth else None
         if pair is not None:
-            found.append(Statement(pair.judged, words.sentence(case, pair), pair.name, words.worst_pixel(pair)))
+            found.append(
+                Statement(pair.judged, words.sentence(case, pair), pair.name, words.worst_pixel(pair), why_of(case, pair))
+            )
         elif render.status != "ok":
             found.append(Statement(render.status, words.render_sentence(render), None, None))
     gravity = [*words.JUDGED, *words.STATUS]
@@ -126,11 +138,17 @@ def _pair_view(case: CaseRecord, pair: Pair) -> PairView:
         pair,
         case.truth in (pair.a, pair.b),
         words.JUDGED.get(pair.judged, pair.judged),
-        tuple(words.causes(case, pair)),
+        _names(case, pair),
         words.worst_pixel(pair),
         rebin([pair]),
         tuple((name, told) for name, told in invalid if told),
     )
+
+
+def _names(case: CaseRecord, pair: Pair) -> tuple[str, ...]:
+    """Causes with their parameters, else the pins."""
+    found = [cause.name for cause in causes_of(case, pair)]
+    return tuple(found or words.causes(case, pair))
 
 
 def _render_view(render: Render) -> RenderView:

@@ -21,6 +21,14 @@ class Links:
     def overview(self) -> str:
         return "#" if self.single_file else f"{self.root}index.html"
 
+    def dialects(self, adapter: str | None = None) -> str:
+        """What the renderers' lighting models are; of one adapter alone."""
+        state = {"page": "dialects"} if self.single_file else {}
+        state |= {"adapter": adapter} if adapter else {}
+        return ("" if self.single_file else f"{self.root}dialects.html") + (
+            "#" + urlencode(state, quote_via=quote) if state else ""
+        )
+
     def case(self, name: str, **state: object) -> str:
         """A case page; `state` becomes its fragment (`pair`, `x`, `y`)."""
         given = {key: value for key, value in state.items() if value is not None}

@@ -55,6 +55,33 @@ def percent(part: int, whole: int) -> str:
     return f"{share:.2f}{NARROW}%" if share < 99 else f"{share:.3g}{NARROW}%"
 
 
+def share(part: float | None) -> str:
+    """A share: 0 % and 100 % only where it is exactly that."""
+    if part is None:
+        return NONE
+    if part in (0, 1):
+        return f"{part * 100:.0f}{NARROW}%"
+    if not 1e-5 <= part <= 1 - 1e-5:
+        return f"{'<' if part < 0.5 else '>'}{'0.001' if part < 0.5 else '99.999'}{NARROW}%"
+    digits = 1
+    while digits < 3 and f"{part * 100:.{digits}f}" in ("100." + "0" * digits, "0." + "0" * digits):
+        digits += 1
+    return f"{part * 100:.{digits}f}{NARROW}%"
+
+
+def parameter(value: object) -> str:
+    """A cause's parameter: 128, "0.5, 0.25", key; nothing for none."""
+    if value is None or isinstance(value, Mapping):
+        return ""
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, int | float):
+        return f"{value:.6g}"
+    if isinstance(value, list | tuple):
+        return ", ".join(parameter(part) for part in value)
+    return str(value)
+
+
 def term(value: object) -> str:
     """A value of a budget's term: a number, or numbers by object as their range."""
     if isinstance(value, Mapping):

@@ -7,13 +7,16 @@ import math
 import re
 from collections import Counter
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 from equilux_report import numerals, words
+from equilux_report.causegroups import CauseGroup, Stand, cause_groups, cause_ids, cause_names, expectations, stands
 from equilux_report.facts import count, items, mapping, number, text
 from equilux_report.links import Links
+from equilux_report.standing import Expectation, standing_of
 from equilux_report.tree import HAS_PIXELS, CaseRecord, Pair, Run
+from equilux_report.why import Why, why_of
 
 Thumbnails = Callable[[str, str], str | None]
 """(case, render or pair) → address of its thumbnail, None where there is no picture."""
@@ -43,6 +46,19 @@ class Cell:
     causes: tuple[str, ...] = ()
     reason: str = ""
     """Why there are no numbers."""
+    why: Why | None = None
+    finding: str = ""
+    """Of the render, where it is held against the truth."""
+
+    @property
+    def cause_ids(self) -> tuple[str, ...]:
+        """What the filter by cause looks for."""
+        return cause_ids(self)
+
+    @property
+    def named_causes(self) -> tuple[str, ...]:
+        """With their parameters."""
+        return cause_names(self)
 
     @property
     def height(self) -> float:
@@ -74,7 +90,7 @@ class Row:
     def search(self) -> str:
         """What the search box looks in."""
         facts = self.case.facts
-        found = [cause for cell in (*self.cells, *self.peers) for cause in cell.causes]
+        found = [name for cell in (*self.cells, *self.peers) for name in cell.named_causes]
         parts = [
             self.case.name,
             text(facts, "about"),
@@ -125,19 +141,6 @@ class Attention:
     """Where it diverges."""
 
 
-@dataclass
-class KnownCause:
-    """The pinned divergences of one renderer with one cause."""
-
-    cause: str
-    adapter: str
-    cells: list[tuple[CaseRecord, Cell]] = field(default_factory=list)
-
-    @property
-    def worst(self) -> tuple[CaseRecord, Cell]:
-        return max(self.cells, key=lambda item: item[1].en or 0)
-
-
 @dataclass(frozen=True)
 class Overview:
     """All that the overview's template needs."""
@@ -146,7 +149,9 @@ class Overview:
     peers: tuple[tuple[str, str], ...]
     groups: tuple[Group, ...]
     attention: tuple[Attention, ...]
-    known: tuple[KnownCause, ...]
+    causes: tuple[CauseGroup, ...]
+    stands: tuple[Stand, ...]
+    expectations: tuple[Expectation, ...]
     judged: Counter[str]
     judged_all: Counter[str]
     statuses: Counter[str]
@@ -158,6 +163,15 @@ class Overview:
         return [row for group in self.groups for row in group.rows]
 
     @property
+    def cause_ids(self) -> list[str]:
+        return sorted({group.cause for group in self.causes})
+
+    @property
+    def findings(self) -> Counter[str]:
+        """Over all renders that were held against a truth, but not the truths themselves."""
+        return sum((stand.findings for stand in self.stands), Counter())
+
+    @property
     def headline(self) -> tuple[str, str]:
         """Kind and words of the run's verdict."""
         bad: list[str] = []
@@ -165,9 +179,8 @@ class Overview:
         for adapter, cases in unexpected.most_common():
             verb = "" if bad else " diverges unexpectedly"
             bad.append(f"{adapter}{verb} in {numerals.plural(cases, 'case')}")
-        if gone := self.judged["improved"]:
-            verb = "shows" if gone == 1 else "show"
-            bad.append(f"{numerals.plural(gone, 'pinned divergence')} no longer {verb}")
+        if gone := max(self.judged["improved"], sum(item.state == "gone" for item in self.expectations)):
+            bad.append(f"{numerals.plural(gone, 'expectation')} no longer {'holds' if gone == 1 else 'hold'}")
         failed = sum(self.statuses[name] for name in ("crashed", "failed", "timeout", "incomplete"))
         if failed:
             bad.append(f"{numerals.plural(failed, 'render')} gave no image")
@@ -197,7 +210,9 @@ def overview(run: Run, links: Links, thumbnails: Thumbnails) -> Overview:
         peers=tuple(sorted(peers)),
         groups=groups,
         attention=tuple(sorted(_attention(run, cells, links), key=lambda line: [*GRAVITY, *FAILED].index(line.kind))),
-        known=tuple(_known(cells)),
+        causes=cause_groups(cells),
+        stands=stands(run, adapters),
+        expectations=expectations(run),
         judged=Counter(cell.judged for _, cell in cells if cell.judged in words.JUDGED),
         judged_all=Counter(pair.judged for case in run.cases for pair in case.pairs),
         statuses=Counter(render.status for case in run.cases for render in case.renders.values()),
@@ -264,6 +279,7 @@ def _pair_cell(case: CaseRecord, pair: Pair, links: Links, thumbnails: Thumbnail
     facts, place = pair.facts, words.worst_pixel(pair) if pair.verdict == "diverge" else None
     whole, bad = count(facts, "pixels"), count(facts, "diverge") + count(facts, "invalid")
     en, max_abs = words.en_max(pair), number(facts, "max_abs")
+    standing = standing_of(case.renders[pair.a]) if case.truth == pair.b and pair.a in case.renders else None
     shown = (
         ("max |Eₙ|", numerals.magnitude(en)),
         ("pixels", numerals.percent(bad, whole)),
@@ -284,6 +300,8 @@ def _pair_cell(case: CaseRecord, pair: Pair, links: Links, thumbnails: Thumbnail
         shown if whole and pair.verdict != "not-comparable" else (),
         tuple(words.causes(case, pair)),
         words.reason(pair),
+        why_of(case, pair),
+        standing.finding if standing else "",
     )
 
 
@@ -295,12 +313,3 @@ def _attention(run: Run, cells: list[tuple[CaseRecord, Cell]], links: Links) -> 
         for render in case.renders.values():
             if render.status in FAILED:
                 yield Attention(render.status, case.name, links.case(case.name), words.render_sentence(render))
-
-
-def _known(cells: list[tuple[CaseRecord, Cell]]) -> list[KnownCause]:
-    found: dict[tuple[str, str], KnownCause] = {}
-    for case, cell in cells:
-        if cell.judged == "diverge_expected":
-            for cause in cell.causes or ("unnamed",):
-                found.setdefault((cause, cell.adapter), KnownCause(cause, cell.adapter)).cells.append((case, cell))
-    return sorted(found.values(), key=lambda known: -(known.worst[1].en or 0))

@@ -13,6 +13,7 @@ import jinja2
 from equilux_report import assets, facts, numerals, words
 from equilux_report.calibration import Calibration
 from equilux_report.casepage import CasePage
+from equilux_report.dialects import Dialect
 from equilux_report.links import Links
 from equilux_report.overview import Overview
 from equilux_report.runfacts import run_facts
@@ -37,6 +38,7 @@ class Pages:
             "seconds": numerals.seconds,
             "size": numerals.size,
             "plural": numerals.plural,
+            "share": numerals.share,
             "term": numerals.term,
             "describe": describe,
         }
@@ -62,11 +64,17 @@ class Pages:
             run=run, page=page, links=links, title=title(run), about=run_facts(run)
         )
 
+    def dialects_page(self, run: Run, dialects: tuple[Dialect, ...], links: Links) -> str:
+        return self.environment.get_template("dialects.html.j2").render(
+            run=run, dialects=dialects, links=links, title=title(run), about=run_facts(run)
+        )
+
     def single_page(
         self,
         run: Run,
         view: Overview,
         calibrations: list[Calibration],
+        dialects: tuple[Dialect, ...],
         cases: Iterable[CasePage],
         links: Links,
         payloads: Iterable[tuple[str, str]],
@@ -76,6 +84,7 @@ class Pages:
             run=run,
             view=view,
             calibrations=calibrations,
+            dialects=dialects,
             pages=cases,
             links=links,
             payloads=payloads,

@@ -180,6 +180,9 @@ class _Reader:
             own = self.json(folder / f"{a}--{b}.json", required=True)
             # Judgement is made afresh for every run, statistics are reused: results.json has the last word where it speaks.
             merged = {**own, **told.get((a, b), {})}
+            if (a, b) not in told and b in TRUTHS:  # the run was interrupted before it wrote its results
+                diagnosis = self.json(folder.parent / a / "diagnosis.json", required=False)
+                merged |= {key: diagnosis[key] for key in ("explained", "causes") if key in diagnosis}
             pairs.append(Pair(case, a, b, planes if planes.is_file() else None, merged))
         return pairs
 

@@ -11,12 +11,31 @@ from equilux_report.tree import CaseRecord, Pair, Render
 
 JUDGED = {
     "diverge_unexpected": "diverges unexpectedly",
-    "improved": "no longer diverges",
+    "improved": "expectation gone",
     "diverge_expected": "diverges as pinned",
     "not_comparable": "not comparable",
     "agree": "agrees",
 }
 """The five judgements, gravest first."""
+
+FINDING = {
+    "unexplained": "unexplained",
+    "implementation-bug": "implementation bug",
+    "translation-bug": "translation bug",
+    "model-difference": "model difference",
+    "as-modelled": "as modelled",
+}
+"""What a render is found to do, gravest first."""
+
+FINDING_MEANS = {
+    "unexplained": "departs from the model, and no named cause accounts for it",
+    "implementation-bug": "departs from what it declares, by rules of the renderer's own",
+    "translation-bug": "departs by what is more likely a fault of the translation to it",
+    "model-difference": "departs from the scene's model exactly as its adapter declares",
+    "as-modelled": "agrees with the truth",
+}
+
+EXPECTATION = {"held": "holds", "gone": "no longer holds", "open": "could not be judged"}
 
 STATUS = {
     "ok": "rendered",
@@ -95,8 +114,14 @@ def _size(pair: Pair) -> str:
     return ", ".join(parts)
 
 
+def _gone(case: CaseRecord, pair: Pair) -> list[str]:
+    """Expectations of a pair's sides that no longer hold; of results that do not say which, all."""
+    pins = [item for item in objects(case.facts, "expect") if text(item, "adapter") in (pair.a, pair.b)]
+    return list(dict.fromkeys(text(item, "cause") for item in [item for item in pins if item.get("held") is False] or pins))
+
+
 def _fate(case: CaseRecord, pair: Pair) -> str:
-    names = causes(case, pair)
+    names = _gone(case, pair) if pair.judged == "improved" else list(dict.fromkeys(causes(case, pair)))
     if pair.judged == "diverge_expected":
         return f"pinned as {' and '.join(names)}" if names else "expected"
     if pair.judged == "improved":
@@ -105,7 +130,10 @@ def _fate(case: CaseRecord, pair: Pair) -> str:
             if names
             else "expected to diverge, and does not"
         )
-    return "not expected" if pair.judged == "diverge_unexpected" else ""
+    if pair.judged != "diverge_unexpected":
+        return ""
+    gone = [item for item in objects(case.facts, "expect") if text(item, "adapter") == pair.a and item.get("held") is False]
+    return "not expected" + (f"; {listed(text(item, 'cause') for item in gone)} is expected, and not found" if gone else "")
 
 
 def sentence(case: CaseRecord, pair: Pair) -> str:

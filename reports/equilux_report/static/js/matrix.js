@@ -1,5 +1,5 @@
 // Search, filters, order and keys of the overview's matrix. Its whole state is in the fragment.
-const NAMES = ["q", "verdict", "status", "adapter", "family", "feature", "sort", "pairs", "view"];
+const NAMES = ["q", "verdict", "finding", "cause", "status", "adapter", "family", "feature", "sort", "pairs", "view"];
 
 eq.define("eq-matrix", class extends HTMLElement {
   connectedCallback() {
@@ -60,7 +60,7 @@ eq.define("eq-matrix", class extends HTMLElement {
     const cells = [...row.querySelectorAll("td.cell")].filter((cell) => !cell.hidden && (wanted.pairs === "all" || !cell.classList.contains("peer")));
     const status = wanted.adapter ? cells.map((cell) => cell.dataset.status) : statuses.split(" ");
     return words.every((word) => search.includes(word)) && (!wanted.family || family === wanted.family) && (!wanted.feature || features.split(" ").includes(wanted.feature))
-      && (!wanted.status || status.includes(wanted.status)) && (!wanted.verdict || cells.some((cell) => cell.dataset.judged === wanted.verdict));
+      && (!wanted.status || status.includes(wanted.status)) && (!(wanted.verdict || wanted.finding || wanted.cause) || cells.some((cell) => isWanted(cell.dataset, wanted)));
   }
 
   // By family, each scene keeps its own rows; in any other order all rows stand in one body.
@@ -126,5 +126,9 @@ eq.define("eq-matrix", class extends HTMLElement {
     links[Math.min(Math.max(column, 0), links.length - 1)].focus();
   }
 });
+
+// One cell has to be all that is asked for: the verdict of one render and the cause of another make no match.
+const isWanted = ({ judged, finding, causes = "" }, wanted) => (!wanted.verdict || judged === wanted.verdict) && (!wanted.finding || finding === wanted.finding)
+  && (!wanted.cause || causes.split("|").includes(wanted.cause));
 
 const linksOf = (row) => [...row.querySelectorAll("a.go")].filter((link) => link.offsetParent !== null);

@@ -50,6 +50,7 @@ eq.Panel = class {
     if (classes && classes.width === picture.width && classes.height === picture.height) eq.drawClasses(context, classes, place);
     if (place.scale >= GRID_FROM) drawGrid(context, picture, place);
     if (place.scale >= NUMBERS_FROM) drawNumbers(context, picture, place, this.layers[0].prefix ?? "");
+    drawBox(context, this.viewer.box, place);
     drawCursor(context, this.viewer.state, place, picture);
   }
 
@@ -135,6 +136,20 @@ const drawCursor = (context, { x, y }, { scale, left, top }, picture) => {
     context.lineWidth = width;
     context.strokeRect(centreX - size / 2 - grow, centreY - size / 2 - grow, size + 2 * grow, size + 2 * grow);
   }
+};
+
+// The frame around the region of a cause: dashes of two kinds of light, so that it is seen on any picture.
+const drawBox = (context, box, { scale, left, top }) => {
+  if (!box) return;
+  const margin = Math.max(2, 0.5 * scale);
+  const frame = [left + box[0] * scale - margin, top + box[1] * scale - margin, (box[2] - box[0] + 1) * scale + 2 * margin, (box[3] - box[1] + 1) * scale + 2 * margin];
+  for (const [colour, width, dash] of [["#000", 4, []], ["#ffd23f", 2, [7, 4]]]) {
+    context.strokeStyle = colour;
+    context.lineWidth = width;
+    context.setLineDash(dash);
+    context.strokeRect(...frame);
+  }
+  context.setLineDash([]);
 };
 
 // Non-finite values by kind, counted over the three bands, beside the colours that stand for them.

@@ -1,6 +1,7 @@
-// In a single-file report every case lies in a template; the fragment's `case` says which one is shown.
+// In a single-file report every case and every other page lies in a template; the fragment's `case` or `page` says which one is shown.
 eq.whenReady(() => {
-  const templates = new Map([...document.querySelectorAll("template[data-case]")].map((template) => [template.dataset.case, template]));
+  const keyOf = ({ case: name, page }) => (name ? `case ${name}` : page ? `page ${page}` : null);
+  const templates = new Map([...document.querySelectorAll("template[data-case], template[data-page]")].map((template) => [keyOf(template.dataset), template]));
   if (!templates.size) return;
   const main = document.getElementById("main");
   const nav = document.querySelector(".top__nav");
@@ -8,7 +9,7 @@ eq.whenReady(() => {
   let shown = null;
 
   const route = () => {
-    const name = eq.fragment.read().get("case");
+    const name = keyOf(Object.fromEntries(eq.fragment.read()));
     const wanted = templates.has(name) ? name : null;
     if (wanted === shown) return;
     shown = wanted;

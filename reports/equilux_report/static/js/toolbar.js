@@ -13,13 +13,14 @@ eq.Toolbar = class {
     form.addEventListener("input", (event) => this.changed(event.target));
     form.querySelector("[data-auto]").addEventListener("click", () => viewer.set({ ev: viewer.config.stops }));
     for (const button of form.querySelectorAll("[data-zoom]")) button.addEventListener("click", () => viewer.zoom(button.dataset.zoom));
+    form.querySelector("[data-unbox]").addEventListener("click", () => viewer.set({ box: null }));
     this.hold(form.querySelector("[data-hold]"));
   }
 
   changed(control) {
     const { name, type } = control;
     const value = type === "checkbox" ? control.checked : type === "range" ? control.valueAsNumber : control.value;
-    this.viewer.set({ [name]: value });
+    this.viewer.set(name === "pair" ? { pair: value, box: null } : { [name]: value });
   }
 
   // The other picture shows as long as the button is held.
@@ -38,6 +39,7 @@ eq.Toolbar = class {
     form.elements["ds-out"].value = this.viewer.scale ? `± ${eq.short(this.viewer.scale)}` : "–";
     form.elements["zoom-out"].value = view.zoom === null ? "fit" : `×${view.zoom}`;
     form.dataset.mode = state.mode;
+    form.querySelector("[data-unbox]").hidden = !state.box;
     form.querySelector("[data-auto]").disabled = state.ev === config.stops;
   }
 };

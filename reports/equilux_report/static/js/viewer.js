@@ -15,7 +15,7 @@ class Viewer extends HTMLElement {
     this.hover = null;
     this.defaults = {
       mode: "side", map: "tone", band: "rgb", ev: this.config.stops, ds: 0, cls: false, wipe: 0.5, x: null, y: null, pair: this.config.pair ?? this.pairs[0]?.name ?? null,
-      a: this.renders[0].name, b: (this.renders[1] ?? this.renders[0]).name, other: false,
+      a: this.renders[0].name, b: (this.renders[1] ?? this.renders[0]).name, box: null, other: false,
     };
     this.state = { ...this.defaults };
     // A page without a wish shows its worst pixel: the numbers are there before anyone touches anything.
@@ -59,6 +59,7 @@ class Viewer extends HTMLElement {
     for (const [name, allowed] of Object.entries(CHOICES)) if (allowed.includes(parameters.get(name))) next[name] = parameters.get(name);
     for (const name of ["a", "b"]) if (this.sources().some((item) => item.name === parameters.get(name))) next[name] = parameters.get(name);
     if (this.pairs.some((pair) => pair.name === parameters.get("pair"))) next.pair = parameters.get("pair");
+    if (parameters.has("box")) next.box = boxOf(parameters.get("box")) ? parameters.get("box") : null;
     if (parameters.has("cls")) next.cls = parameters.get("cls") === "1";
     const zoom = Number.parseFloat(parameters.get("z"));
     if (zoom > 0 && zoom <= 128) this.view.centre(Number.parseFloat(parameters.get("cx")) || next.x + 0.5, Number.parseFloat(parameters.get("cy")) || next.y + 0.5, zoom);
@@ -87,6 +88,11 @@ class Viewer extends HTMLElement {
       const round = (value) => (view.zoom === null ? null : String(Math.round(value * 100) / 100));
       eq.fragment.write({ ...told, z: view.zoom, cx: round(view.x), cy: round(view.y) });
     }, 120);
+  }
+
+  // What the framed region spans, in film pixels: [x0, y0, x1, y1], inclusive; null where nothing is framed.
+  get box() {
+    return boxOf(this.state.box);
   }
 
   // --- what is shown --------------------------------------------------------------------------------------------------
@@ -210,7 +216,10 @@ class Viewer extends HTMLElement {
     const link = event.target.closest?.("a[data-jump]");
     if (!link || event.ctrlKey || event.metaKey || event.shiftKey) return;
     event.preventDefault();
-    this.adopt(new URLSearchParams(link.hash.slice(1)));
+    const parameters = new URLSearchParams(link.hash.slice(1));
+    this.state.box = null; // a frame belongs to what was said of one pair
+    if (parameters.has("box")) this.view.fit();
+    this.adopt(parameters);
     this.arrange();
     this.scrollIntoView({ block: "start" });
     this.stage.focus({ preventScroll: true });
@@ -231,6 +240,7 @@ class Viewer extends HTMLElement {
       s: () => this.set({ mode: "side" }), f: () => this.set({ mode: "flip" }), w: () => this.set({ mode: "wipe" }), c: () => this.set({ cls: !state.cls }),
       "[": () => this.set({ ev: state.ev - 0.5 }), "]": () => this.set({ ev: state.ev + 0.5 }), "{": () => this.set({ ds: state.ds - 1 }), "}": () => this.set({ ds: state.ds + 1 }),
       "+": () => this.zoom("in"), "=": () => this.zoom("in"), "-": () => this.zoom("out"), 0: () => this.zoom("fit"), g: () => this.worst(),
+      Escape: () => this.set({ box: null }),
     };
     if (event.key === " " && state.mode === "flip" && !event.target.closest("button, a, summary")) {
       event.preventDefault();
@@ -282,6 +292,11 @@ class Viewer extends HTMLElement {
     }, { passive: false });
   }
 }
+
+const boxOf = (text) => {
+  const corners = (text ?? "").split(",").map(Number);
+  return corners.length === 4 && corners.every((corner) => Number.isInteger(corner) && corner >= 0) && corners[0] <= corners[2] && corners[1] <= corners[3] ? corners : null;
+};
 
 const largestOf = ({ planes }) => {
   let [counted, any] = [0, 0];
