@@ -10,26 +10,75 @@ from equilux_tracer.causes import Applied, Rule, Vector
 
 TOLD = 0.5
 """A correlation below says nothing worth a word."""
+FEW_DIGITS = 6
+"""A number no longer than this (0.5, 0.0625) needs no name (1/2, 1/16)."""
+
+
+SAID: Mapping[str, str] = {
+    "shifted": "the picture is displaced by {} to the right and down",
+    "gamma-encoded": "pixels are encoded by the curve {} instead of linear",
+    "clamped": "radiance is cut off at {}",
+    "quantised": "radiance is rounded to {}",
+    "bands-swapped": "the three bands are in the order {}",
+    "scaled": "radiance is multiplied by {}",
+    "faceted-normals": "a curved shape shows facets with face normals, {} segments around it",
+    "vertex-lighting": "lighting is evaluated at vertices, {} segments around a curved shape, and interpolated",
+    "tessellated": "a curved shape is replaced by triangles, {} segments around it",
+    "exponent-clamped": "the highlight's exponent is cut off at {}",
+    "exponent-scaled": "the highlight's exponent is multiplied by {}",
+    "specular-floored": "R·V is raised to {} before the power",
+    "light-missing": "the light {} is left out",
+    "attenuation-term-missing": "the {} term of the attenuation is left out",
+    "spot-exponent-clamped": "the spot's exponent is cut off at {}",
+    "spot-cone-ignored": "the spot's cone has no effect from {} on",
+    "recursion-cut": "reflections end after {} of them",
+    "weight-cut": "rays below a weight of {} are not followed",
+    "shadow-bias": "blockers nearer than {} are missed",
+    "background-missing": "rays that miss show {} instead of the background",
+}
+"""Sentences of the causes that have a parameter, which stands in the place of {}."""
 
 
 def sentence(rule: Rule, applied: Applied) -> str:
-    """What the renderer does, with the parameter: 'radiance is multiplied by a constant: k = 3.14159 (π)'."""
+    """What the renderer does, with the parameter: 'radiance is multiplied by 3.141593 (π)'. A third party's rule says its
+    summary, then the parameter by name."""
+    template = SAID.get(applied.cause)
     text = rule.summary or CAUSES.get(applied.cause, applied.cause)
-    parameter = _parameter(rule, applied)
+    if applied.parameter is not None and template is not None:
+        text = template.format(_value(rule, applied))
+    elif applied.parameter is not None:
+        text += f": {_name(rule)} = {_value(rule, applied)}"
     reading = rule.readings.get(applied.reading, applied.reading) if applied.reading else ""
-    return text + (f": {parameter}" if parameter else "") + (f" ({reading})" if reading else "")
+    return text + (f" ({reading})" if reading else "")
 
 
-def _parameter(rule: Rule, applied: Applied) -> str:
-    if applied.parameter is None:
-        return ""
+def _name(rule: Rule) -> str:
     kind = rule.parameter
-    name = ", ".join(kind.names) if isinstance(kind, Vector) else kind.name if kind is not None else "parameter"
-    unit = f" {kind.unit}" if kind is not None and kind.unit else ""
+    return ", ".join(kind.names) if isinstance(kind, Vector) else kind.name if kind is not None else "parameter"
+
+
+def _value(rule: Rule, applied: Applied) -> str:
+    """With its unit, and its name where it has one: '0.5 W/(m²·sr)', '(1, 0) px', '3.141593 (π)'."""
     values = applied.parameter if isinstance(applied.parameter, tuple) else (applied.parameter,)
-    shown = ", ".join(f"{value:.7g}" if isinstance(value, float) else str(value) for value in values)
+    shown = ", ".join(_shown(value, rule) for value in values)
+    if len(values) > 1:
+        shown = f"({shown})"
+    unit = rule.parameter.unit if rule.parameter is not None else ""
     known = recognised(applied)
-    return f"{name} = {shown}{unit}" + (f" ({known})" if known and known != shown else "")
+    if unit and applied.cause == "quantised" and applied.parameter != 1:
+        unit += "s"
+    tells_more = known is not None and known != shown and len(shown) > FEW_DIGITS
+    return shown + (unit if unit == "°" else f" {unit}" if unit else "") + (f" ({known})" if tells_more else "")
+
+
+def _shown(value: object, rule: Rule) -> str:
+    """Seven digits; of a vector no more than a millionth of its step, below which is only what a fit leaves."""
+    if not isinstance(value, float):
+        return str(value)
+    if isinstance(rule.parameter, Vector):
+        least = 1e-6 * rule.parameter.step
+        value = round(value / least) * least + 0.0
+    return f"{value:.7g}"
 
 
 def recognised(applied: Applied) -> str | None:
