@@ -139,6 +139,7 @@ class Attention:
     words: str
     picture: str | None = None
     """Where it diverges."""
+    why: Why | None = None
 
 
 @dataclass(frozen=True)
@@ -308,7 +309,7 @@ def _pair_cell(case: CaseRecord, pair: Pair, links: Links, thumbnails: Thumbnail
 def _attention(run: Run, cells: list[tuple[CaseRecord, Cell]], links: Links) -> Iterator[Attention]:
     for case, cell in sorted(cells, key=lambda item: -(item[1].en or 0)):
         if cell.judged in ("diverge_unexpected", "improved"):
-            yield Attention(cell.judged, case.name, cell.href, cell.words, cell.heat)
+            yield Attention(cell.judged, case.name, cell.href, cell.words, cell.heat, cell.why)
     for case in run.cases:
         for render in case.renders.values():
             if render.status in FAILED:

@@ -11,6 +11,7 @@ from urllib.parse import quote
 import pytest
 from playwright.sync_api import Browser, BrowserContext, Page, sync_playwright
 
+from browser.fake_causes import write_diagnosed_tree
 from browser.fake_tree import write_tree
 from equilux_report import build
 
@@ -33,6 +34,14 @@ def single(tree: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     alone = tmp_path_factory.mktemp("alone") / "report.html"
     shutil.copy(index, alone)
     return alone
+
+
+@pytest.fixture(scope="session")
+def diagnosed(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A results tree whose divergences have causes, with its report inside."""
+    root = write_diagnosed_tree(tmp_path_factory.mktemp("diagnosed") / "run")
+    build(root)
+    return root
 
 
 @pytest.fixture(scope="session")
