@@ -53,9 +53,9 @@ class ShadingRules:
     nothing. t-only: t. k-only: k_trans. ignored: all."""
     shadow_bias_m: float = 0.0
     """Blockers nearer to the surface than this are missed."""
-    shadow_bias: Literal["along-ray", "along-normal"] = "along-ray"
+    shadow_bias: Literal["along-ray", "along-normal", "before-light"] = "along-ray"
     """along-ray: what a shadow ray meets before `shadow_bias_m` is missed. along-normal: the ray starts that far off the surface
-    along N, and ends in the light as always."""
+    along N, and ends in the light as always. before-light: what is nearer than `shadow_bias_m` to the light is missed instead."""
     weight_cut: float = 0.0
     """Secondary rays whose weight (the whole path's, its largest band) is below are not followed."""
     total_reflection: Literal["one", "mirror", "transmitted", "none"] = "one"
@@ -66,9 +66,9 @@ class ShadingRules:
     into it; T likewise. Media are spheres, boxes, capped cylinders and planes with t > 0, and meshes of an index other than 1;
     all else with t > 0 is passed straight. The eye may be in all but meshes."""
     media_counted: bool = False
-    """As `nested_media`, but whether a ray enters an object or leaves it is told by counting, not by the side that it meets: it is
-    in what it went through once and not a second time. A ray that an interpolated normal sent to the wrong side of its face is
-    taken for what it is not. A mesh wound inwards has the inverse index inside."""
+    """As `nested_media`, but whether a ray enters an object or leaves it is told by counting, not by the side that it meets: it
+    is in what it went through once and not a second time. A ray that an interpolated normal sent to the wrong side of its face
+    is taken for what it is not. A mesh wound inwards has the inverse index inside."""
     transmission_counted: bool = True
     """False: transmitted rays do not count towards the recursion limit: they go on where it has been reached (at most 256 rays in
     succession are followed). Totally reflected ones count."""

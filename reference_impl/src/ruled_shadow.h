@@ -14,9 +14,13 @@ inline Shadow biased_shadow(ShadowRays& shadows, const World& world, const Light
   const Rules& rules = world.description.rules;
   const bool at_infinity = light.given.kind == LightKind::directional;
   const double infinity = std::numeric_limits<double>::infinity();
-  if (rules.shadow_bias == ShadowBias::along_ray || !(rules.shadow_bias_m > 0)) {
+  if (rules.shadow_bias == ShadowBias::before_light && !at_infinity) {
+    const double end = std::fmax(0, arriving.distance - rules.shadow_bias_m);
+    return shadows.shadow(leaving(world, place, unit(arriving.toward)), end);
+  }
+  if (rules.shadow_bias != ShadowBias::along_normal || !(rules.shadow_bias_m > 0)) {
     Ray ray = leaving(world, place, at_infinity ? light.to_light : unit(arriving.toward));
-    if (rules.shadow_bias_m > 0) {
+    if (rules.shadow_bias_m > 0 && rules.shadow_bias == ShadowBias::along_ray) {
       ray.from.displaced = true;
       ray.from.start = std::fmax(ray.from.start, rules.shadow_bias_m);
     }

@@ -8,7 +8,7 @@ namespace equilux {
 enum class NormalSide { model, as_given, facing_viewer };
 enum class Viewer { model, from_eye, fixed };
 enum class TransparentShadow { model, opaque, t_only, k_only, ignored };
-enum class ShadowBias { along_ray, along_normal };
+enum class ShadowBias { along_ray, along_normal, before_light };
 enum class TotalReflection { one, mirror, transmitted, none };
 
 struct Rules {

@@ -23,7 +23,8 @@ constexpr Names<TransparentShadow> transparent_shadows{{{"model", TransparentSha
                                                         {"t-only", TransparentShadow::t_only},
                                                         {"k-only", TransparentShadow::k_only},
                                                         {"ignored", TransparentShadow::ignored}}};
-constexpr Names<ShadowBias> shadow_biases{{{"along-ray", ShadowBias::along_ray}, {"along-normal", ShadowBias::along_normal}}};
+constexpr Names<ShadowBias> shadow_biases{
+    {{"along-ray", ShadowBias::along_ray}, {"along-normal", ShadowBias::along_normal}, {"before-light", ShadowBias::before_light}}};
 constexpr Names<TotalReflection> total_reflections{{{"one", TotalReflection::one},
                                                     {"mirror", TotalReflection::mirror},
                                                     {"transmitted", TotalReflection::transmitted},

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Mapping, Sequence
-from typing import ClassVar
+from typing import ClassVar, Literal
 
 import numpy as np
 
 from equilux_scenes.case import Case
 from equilux_scenes.features import required_features
-from equilux_scenes.model import Scene
+from equilux_scenes.model import DirectionalLight, Scene
 from equilux_tracer.causes.background import BackgroundMissing
 from equilux_tracer.causes.glass import RefractionMissing, TransparencyWeightIgnored
 from equilux_tracer.causes.media import IndexInverted, NestedMedia, TirWeight
@@ -112,9 +112,17 @@ class ReflectionMissing(CheckedRule):
         return dataclasses.replace(rules, total_reflection="none") if applied.reading else rules
 
 
+_BIASES: dict[str, Literal["along-ray", "along-normal", "before-light"]] = {
+    "": "along-ray",
+    "off the surface": "along-normal",
+    "before the light": "before-light",
+}
+
+
 class ShadowBias(CheckedRule):
-    """Shadow rays start off the surface, or drop what is near: blockers nearer than a length are missed, and shadows do not reach
-    the feet of what casts them. 1e-3 of its unit in POV-Ray (Q37), 1500 × 2^-24 of its coordinates in Mitsuba (Q9)."""
+    """Shadow rays start off the surface, end before the light, or drop what is near: blockers nearer than a length are missed,
+    and shadows do not reach the feet of what casts them. 1e-3 of its unit in POV-Ray (Q37), 1500 × 2^-24 of its coordinates at
+    the surface and 1e-3 of a ray's length at the light in Mitsuba (Q9)."""
 
     id = "shadow-bias"
     group = "transport"
@@ -122,15 +130,20 @@ class ShadowBias(CheckedRule):
     readings: ClassVar[Mapping[str, str]] = {
         "": "s along the shadow ray",
         "off the surface": "the shadow ray starts a length off the surface, along its normal",
+        "before the light": "τ: crossings with s ≤ r − length, r the distance of the light",
     }
     parameter = Continuous("length", "m", 1e-12, 1e12, "log")
 
     def touches(self, scene: Scene) -> bool:
         return _occludes(scene) and any(any(light) for light in _strengths_of_delta(scene))
 
+    def values(self, case: Case, reading: str) -> Sequence[None]:
+        near = any(not isinstance(light, DirectionalLight) for light in case.scene.delta_lights.values())
+        return (None,) if near or reading != "before the light" else ()
+
     def change_shading(self, rules: ShadingRules, applied: Applied) -> ShadingRules:
         length = float(applied.parameter)  # type: ignore[arg-type]
-        return dataclasses.replace(rules, shadow_bias_m=length, shadow_bias="along-normal" if applied.reading else "along-ray")
+        return dataclasses.replace(rules, shadow_bias_m=length, shadow_bias=_BIASES[applied.reading])
 
     def estimates(self, hypothesis: Applied, evidence: Evidence) -> Sequence[Applied]:
         """Three lengths a decade, from 1e-6 of the scene's size to that size, round ones."""
