@@ -14,10 +14,10 @@ _REGISTERED_LAMP = Capability("exact", "an emitter written in Python, which the 
 
 DIALECT: Sequence[Declared] = (
     Declared("normal-side", reading="facing the viewer", quirk="Q12"),
-    Declared("shadow-bias", quirk="Q9"),
+    Declared("shadow-bias", reading="before the light", quirk="Q9"),
 )
-"""What Mitsuba always does otherwise than the model says. How long the bias is depends on the unit that a scene is written
-in."""
+"""What Mitsuba always does otherwise than the model says. How far before the light a shadow ray ends depends on its length; what
+it starts off the surface is in the budget."""
 
 CAPABILITIES: Mapping[str, Capability] = {
     "model.reflection-equation": _EXACT,
