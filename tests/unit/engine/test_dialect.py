@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from equilux.diagnose.catalogue import all_rules
-from equilux.dialect import Declared, complaints_about, declared_dialect, dialect_on
+from equilux.dialect import Declared, complaints_about, declared_dialect, dialect_on, told
 from equilux.registry import Registry
 from support.engine import scene
 
@@ -79,3 +79,18 @@ def test_every_rule_that_our_adapters_declare_can_be_applied_in_the_reading_they
 
 def test_the_laboratories_with_rules_of_their_own_declare_them():
     assert {entry.name for entry in OURS} >= {"povray", "vtk", "opengl", "mitsuba"}
+
+
+def test_a_dialect_is_told_in_words_to_readers_that_have_no_rules():
+    limit, missing = told([Declared("exponent-clamped", 128.0, quirk="Q5"), Declared("acme:sparkle")], all_rules())
+    assert (limit["parameter"], limit["quirk"]) == (128.0, "Q5")
+    assert limit["formula"] == list(all_rules()["exponent-clamped"].formula)
+    assert limit["words"] == all_rules()["exponent-clamped"].summary
+    assert (missing["cause"], missing["words"], missing["formula"]) == ("acme:sparkle", "", None)
+
+
+def test_the_reading_that_is_declared_is_the_formula_that_is_told():
+    rule = all_rules()["refraction-missing"]
+    reading = next(reading for reading in rule.readings if reading)
+    (entry,) = told([Declared("refraction-missing", reading=reading)], all_rules())
+    assert entry["formula"] == [rule.formula[0], rule.readings[reading]]
