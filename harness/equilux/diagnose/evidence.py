@@ -77,6 +77,13 @@ def gather(case: Case, side: RenderedImage, truth: RenderedImage, scored: PairRe
     return _sample(case, side, truth, scored, model, np.sort(np.concatenate(chosen)), cost)
 
 
+def enlarged(
+    sample: Sample, pixels: Pixels, side: RenderedImage, truth: RenderedImage, scored: PairResult, model: Tracer
+) -> Sample:
+    """The sample of these pixels, ascending, instead."""
+    return _sample(sample.evidence.case, side, truth, scored, model, pixels, sample.seconds_per_position)
+
+
 def _sample(
     case: Case, side: RenderedImage, truth: RenderedImage, scored: PairResult, model: Tracer, pixels: Pixels, cost: float
 ) -> Sample:

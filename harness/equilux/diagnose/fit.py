@@ -16,6 +16,7 @@ import numpy as np
 from equilux.diagnose import scales
 from equilux.diagnose.bounds import Floats
 from equilux.diagnose.trials import Bench, Causes, Trial
+from equilux.diagnose.usual import usual
 from equilux_tracer.causes import Applied, Continuous, Rule, Vector
 
 STEPS = 12
@@ -123,9 +124,14 @@ def started(bench: Bench, causes: Causes, free: int) -> list[Trial]:
         return []
     if isinstance(rule.parameter, Vector):
         values += _about_neutral(causes[free], rule.parameter)
+    values = [*usual(causes[free]), *values]  # first, since of values that make the same picture the first is taken
     if causes[free].parameter is not None:
         values.insert(0, causes[free])
-    trials = [bench.passing_trial((*causes[:free], value, *causes[free + 1 :])) for value in dict.fromkeys(values)]
+    trials = []
+    for value in dict.fromkeys(values):
+        if trials and bench.out_of_time:
+            break
+        trials.append(bench.passing_trial((*causes[:free], value, *causes[free + 1 :])))
     return sorted((trial for trial in trials if trial is not None), key=lambda trial: trial.distance)
 
 
@@ -168,6 +174,8 @@ def refine(bench: Bench, trial: Trial, knobs: Sequence[Knob]) -> Trial:
     """Steps of the linearised problem while they help."""
     best = trial
     for _ in range(STEPS):
+        if bench.out_of_time:
+            return best
         slopes = _slopes(bench, best, knobs)
         if slopes is None or not slopes.any():
             return best
@@ -278,7 +286,7 @@ def _golden(bench: Bench, best: Trial, knob: Knob, trials: Sequence[Trial]) -> T
     left, right = high - GOLDEN * (high - low), low + GOLDEN * (high - low)
     at_left, at_right = at(left), at(right)
     for _ in range(24):
-        if at_left is None or at_right is None:
+        if at_left is None or at_right is None or bench.out_of_time:
             return best
         best = min((best, at_left, at_right), key=lambda trial: trial.badness)
         if at_left.badness <= at_right.badness:
@@ -303,7 +311,7 @@ def rounded(bench: Bench, trial: Trial, knobs: Sequence[Knob], *, exactly: bool 
         for candidate, name in scales.candidates(value, value - reach, value + reach):
             if not knob.low <= candidate <= knob.high:
                 continue
-            if candidate == value:
+            if candidate == value or bench.out_of_time:
                 break
             tried = bench.passing_trial(with_value(trial.causes, knob, candidate))
             if tried is None:

@@ -14,12 +14,15 @@ from equilux.diagnose.trials import Bench, Causes, Trial, changes_film, changes_
 from equilux_tracer.causes import Applied, Discrete, Rule, is_neutral
 
 Mask = npt.NDArray[np.bool_]
+Rank = tuple[bool, bool, int, bool, int, int, int]
+GROUPS = ("image", "highlight", "light", "transport", "geometry")
+"""Of a black picture a missing term is the plainest account; another geometry, the least plain."""
 
 
 @dataclass(frozen=True)
 class Preference:
     """The order of names among causes that explain alike: what the adapter declares, what the scene expects, what has no
-    parameter, the order of the catalogue.
+    parameter, plain readings, terms before geometry, the order of the catalogue.
     """
 
     rules: Mapping[str, Rule]
@@ -35,7 +38,7 @@ class Preference:
         """Neither declared nor expected."""
         return applied.cause not in self.expected and all(declared.cause != applied.cause for declared in self.dialect)
 
-    def of(self, applied: Applied) -> tuple[bool, bool, int, int, int]:
+    def of(self, applied: Applied) -> Rank:
         """Sorts the preferred one first. A parameter that names a light or an order is worth less than none, and more than a
         number, which can be fitted."""
         rule = self.rules[applied.cause]
@@ -44,20 +47,15 @@ class Preference:
             not self.declares(applied),
             applied.cause not in self.expected,
             0 if applied.parameter is None else 1 if isinstance(applied.parameter, str) else 2,
+            bool(applied.reading),
+            GROUPS.index(rule.group) if rule.group in GROUPS else len(GROUPS),
             list(self.rules).index(applied.cause),
             readings.index(applied.reading) if applied.reading in readings else len(readings),
         )
 
-    def of_all(self, causes: Causes) -> tuple[int, int, int, list[tuple[bool, bool, int, int, int]]]:
+    def of_all(self, causes: Causes) -> tuple[int, int, int, list[Rank]]:
         each = sorted(self.of(applied) for applied in causes)
         return (*(sum(one[index] for one in each) for index in range(3)), each)  # type: ignore[return-value]
-
-
-USUAL: Mapping[str, tuple[Applied, ...]] = {
-    "gamma-encoded": tuple(Applied("gamma-encoded", curve) for curve in ("srgb", "2.2")),
-    "quantised": (Applied("quantised", 8),),
-}
-"""Values to be tried in any case where two causes come together: beside another fault a rule's own estimate may be misled."""
 
 
 @dataclass(frozen=True, eq=False)

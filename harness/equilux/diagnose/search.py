@@ -19,6 +19,7 @@ from equilux.diagnose.finding import Finding
 from equilux.diagnose.fit import fitted, knobs_of, refine, rounded, started
 from equilux.diagnose.hypotheses import USUAL, Preference, Single, both_orders, every_hypothesis, is_costly, ranked_pairs, single
 from equilux.diagnose.proof import Court, Proof, Restate
+from equilux.diagnose.second_look import looked_at_again
 from equilux.diagnose.trials import Bench, Causes, Trial, ordered
 from equilux.edges import film_delta_px
 from equilux_scenes.case import Case
@@ -329,7 +330,8 @@ class Search:
         worth = sorted((trial for trial in trials if self.plausible(trial)), key=self._order)
         if self.bench.tilts is not None:
             worth = [rounded(self.bench, trial, knobs_of(trial.causes, self.bench), exactly=True) for trial in worth[:PROOFS]]
-        proofs = [proof for trial in worth[:PROOFS] if (proof := self.court.proof(trial.causes)) is not None and proof.holds]
+        held = [proof for trial in worth[:PROOFS] if (proof := self.court.proof(trial.causes)) is not None]
+        proofs = [proof for proof in held if proof.holds] or looked_at_again(self.bench, self.court, held)
         if not proofs:
             return None
         nearest = max(proofs, key=lambda proof: proof.explained)
