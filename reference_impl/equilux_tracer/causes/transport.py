@@ -146,9 +146,10 @@ class ShadowBias(CheckedRule):
         return dataclasses.replace(rules, shadow_bias_m=length, shadow_bias=_BIASES[applied.reading])
 
     def estimates(self, hypothesis: Applied, evidence: Evidence) -> Sequence[Applied]:
-        """Three lengths a decade, from 1e-6 of the scene's size to that size, round ones."""
+        """Three lengths a decade, from 1e-6 of the scene's size to that size, round ones. Of those that do the same the shortest
+        comes first: a bias is meant to be small."""
         largest = np.floor(np.log10(reach(evidence.case)))
-        lengths = [round(step * 10.0**power, 15) for power in np.arange(largest, largest - 6, -1) for step in (5, 2, 1)]
+        lengths = [round(step * 10.0**power, 15) for power in np.arange(largest - 5, largest + 1) for step in (1, 2, 5)]
         return [Applied(self.id, float(length), hypothesis.reading) for length in lengths if length > 0]
 
 
