@@ -52,7 +52,7 @@ CAUSES: dict[str, str] = {
     "spot-exponent-ignored": "the spot's exponent is taken as 0",
     "spot-exponent-clamped": "the spot's exponent is cut off at a [max]",
     "spot-cone-ignored": "the spot's cone has no effect [from °]",
-    "light-colours-ignored": "a light's separate ambient, diffuse or specular colour has no effect",
+    "light-colours-ignored": "a light's colour, or its separate ambient, diffuse or specular one, has no effect",
     "ambient-missing": "the ambient term is left out",
     "ambient-tinted": "the ambient term is multiplied by the diffuse colour",
     "emission-missing": "the emission is left out",

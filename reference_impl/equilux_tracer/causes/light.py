@@ -31,6 +31,8 @@ from equilux_tracer.causes.spot import (
     SpotExponentIgnored,
     SpotIgnored,
 )
+from equilux_tracer.causes.strengths import Bands
+from equilux_tracer.causes.strengths import with_lights as with_light_bands
 
 MOST_LIGHTS_TRIED = 8
 """Beyond that many lights the evidence picks those that are worth a trial."""
@@ -123,6 +125,26 @@ _SHARES = {"ambient": BLACK, "diffuse": WHITE, "specular": WHITE}
 """A light's separate colours where nobody sets them."""
 
 
+_GREYS: Mapping[str, tuple[str, tuple[float, float, float] | None]] = {
+    "grey": ("each has the mean of its bands", (1 / 3, 1 / 3, 1 / 3)),
+    "grey by luminance": ("each has its luminance, 0.2126 R + 0.7152 G + 0.0722 B", (0.2126, 0.7152, 0.0722)),
+    "grey by luma": ("each has its luma, 0.299 R + 0.587 G + 0.114 B", (0.299, 0.587, 0.114)),
+    "grey, largest": ("each has the largest of its bands", None),
+    "grey, first": ("each has its first band in all", (1.0, 0.0, 0.0)),
+    "grey, middle": ("each has its second band in all", (0.0, 1.0, 0.0)),
+    "white": ("each has 1 in all bands", (0.0, 0.0, 0.0)),
+}
+"""Lights whose own colour is not known: in words, and the weights of the bands."""
+
+
+def _grey(bands: Bands, reading: str) -> Bands:
+    if reading == "white":
+        return WHITE if any(bands) else BLACK
+    weights = _GREYS[reading][1]
+    value = max(bands) if weights is None else sum(w * band for w, band in zip(weights, bands, strict=True))
+    return value, value, value
+
+
 def _colour_readings() -> Iterator[tuple[str, str]]:
     yield "", "ambient, diffuse and specular colour have no effect: 0, 1, 1"
     for names in (*combinations(_SHARES, 1), *combinations(_SHARES, 2)):
@@ -134,11 +156,12 @@ def _colour_readings() -> Iterator[tuple[str, str]]:
     yield "diffuse for the highlight, ambient kept", "the diffuse colour serves the highlight too; the ambient one is right"
     yield "diffuse for all", "the diffuse colour serves the highlight and the ambient share"
     yield "strength for all", "ambient, diffuse and specular colour are the light's strength itself: 1, 1, 1"
+    yield from ((reading, f"lights are grey: {words}") for reading, (words, _) in _GREYS.items())
 
 
 class LightColoursIgnored(CheckedRule):
     """Lights have one colour: the separate ones of the fixed-function model have no effect (VTK Q18, where the diffuse colour
-    serves the highlight too)."""
+    serves the highlight too). Or lights have none at all: they shine grey, in every model."""
 
     id = "light-colours-ignored"
     group = "light"
@@ -146,13 +169,24 @@ class LightColoursIgnored(CheckedRule):
     readings: ClassVar[Mapping[str, str]] = dict(_colour_readings())
 
     def touches(self, scene: Scene) -> bool:
-        return scene.model == "opengl" and is_lit(scene)
+        return is_lit(scene) and (scene.model == "opengl" or _is_coloured(scene))
+
+    def values(self, case: Case, reading: str) -> Sequence[None]:
+        possible = _is_coloured(case.scene) if reading in _GREYS else case.scene.model == "opengl"
+        return (None,) if possible else ()
 
     def change_case(self, case: Case, applied: Applied) -> Case:
+        if applied.reading in _GREYS:
+            return with_light_bands(case, ("intensity", "irradiance", "radiance"), lambda bands: _grey(bands, applied.reading))
+
         def change(_: str, light: Light) -> dict[str, Any]:
             return _colours(light, applied.reading) if isinstance(light, PointLight | DirectionalLight | SpotLight) else {}
 
         return with_lights(case, change)
+
+
+def _is_coloured(scene: Scene) -> bool:
+    return any(len(set(strength(light))) > 1 for light in scene.lights.values())
 
 
 def _colours(light: PointLight | DirectionalLight | SpotLight, reading: str) -> dict[str, Any]:

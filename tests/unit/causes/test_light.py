@@ -44,6 +44,10 @@ def lights_by_hand(spec=SPEC, **lights):
     return case_of(changed(spec, lights={name: {**light, **lights.get(name, {})} for name, light in spec["lights"].items()}))
 
 
+GREY = {"key": {"intensity": 7}, "lamp": {"intensity": 5}, "sun": {"irradiance": 0.3}}
+"""Keys of lights without a colour."""
+
+
 def materials_by_hand(spec=SPEC, **keys):
     """The case with these keys of all materials; a function is given the material's spec."""
     spec = changed(spec)
@@ -180,6 +184,25 @@ def test_colours_without_effect_are_the_shares_written_by_hand(reading, shares):
     assert (None, reading) in tried(OPENGL_CASE, "light-colours-ignored")
 
 
+@pytest.mark.parametrize(
+    ("reading", "grey"),
+    [
+        ("grey", lambda r, g, b: (r + g + b) / 3),
+        ("grey by luminance", lambda r, g, b: 0.2126 * r + 0.7152 * g + 0.0722 * b),
+        ("grey by luma", lambda r, g, b: 0.299 * r + 0.587 * g + 0.114 * b),
+        ("grey, largest", lambda r, g, b: max(r, g, b)),
+        ("grey, first", lambda r, g, b: r),
+        ("grey, middle", lambda r, g, b: g),
+        ("white", lambda r, g, b: 1),
+    ],
+)
+def test_lights_without_a_colour_are_grey_lights_written_by_hand(reading, grey):
+    keys = {"key": "intensity", "lamp": "intensity", "sun": "irradiance"}
+    by_hand = lights_by_hand(**{name: {key: grey(*SPEC["lights"][name][key])} for name, key in keys.items()})
+    assert_same(with_cause(CASE, "light-colours-ignored", None, reading), picture(by_hand))
+    assert (None, reading) in tried(CASE, "light-colours-ignored")
+
+
 def test_the_ambient_term_of_opengl_has_a_global_part_and_one_of_each_light():
     without = materials_by_hand(OPENGL, ambient=0)
     assert_same(with_cause(OPENGL_CASE, "ambient-missing"), picture(without))
@@ -279,8 +302,8 @@ def test_of_many_lights_the_missing_one_is_found():
         (case_of(changed(SPEC, ambient=0)), ["ambient-missing", "ambient-tinted"]),
         (materials_by_hand(ambient=0), ["ambient-missing"]),
         (materials_by_hand(emission=0), ["emission-missing", "emission-tinted"]),
-        (CASE, ["light-colours-ignored"]),
-        (case_of(changed(SPEC, model="opengl")), ["light-colours-ignored"]),
+        (lights_by_hand(**GREY), ["light-colours-ignored"]),
+        (lights_by_hand(changed(SPEC, model="opengl"), **GREY), ["light-colours-ignored"]),
     ],
 )  # fmt: skip
 def test_what_cannot_change_the_picture_is_not_tried(case, causes):
