@@ -63,14 +63,25 @@ def _with_one_more(search: Search, proof: Proof) -> Proof | None:
             worth.append(trial)
     bench.tried += here.tried
     left = int(proof.left.sum())
-    for trial in sorted(worth, key=lambda trial: trial.badness)[:2]:
+    for trial in sorted(worth, key=lambda trial: (trial.badness[0], search.preference.of_all(trial.causes), trial.distance))[:3]:
         further = court.proof(trial.causes)
-        if further is not None and int(further.left.sum()) <= (1 - SHARE) * left and _says_something(search, proof, further):
+        if further is None or int(further.left.sum()) > (1 - SHARE) * left:
+            continue
+        if _says_something(search, proof, further) or _says_all(search, proof, further):
             return further
     return None
 
 
+def _says_all(search: Search, proof: Proof, further: Proof) -> bool:
+    """Whether a cause that has no number to be fitted leaves nothing over: a background that is missing shows one value."""
+    more = [applied for applied in further.causes if applied not in proof.causes]
+    return not further.left.any() and not any(isinstance(applied.parameter, float | tuple) for applied in more)
+
+
 def _says_something(search: Search, proof: Proof, further: Proof) -> bool:
-    """Whether several different values are accounted for: one value is hit by many rules."""
+    """Whether several different values are accounted for: one value is hit by many rules. Unless it is not black and nothing is
+    left: that says a clamp.
+    """
     won = further.within & ~proof.within
-    return len(np.unique(search.court.side.image[won], axis=0)) >= FEWEST
+    values = np.unique(search.court.side.image[won], axis=0)
+    return len(values) >= FEWEST or (bool(values.any()) and not further.left.any())

@@ -103,7 +103,8 @@ class Court:
         try:
             changed = self.workshop.changed(causes)
             with np.errstate(all="ignore"):
-                found = changed.of_scene.evaluate(changed.looked_at(film_xy), ("radiance", *ERROR_CHANNELS))
+                with self.workshop.working(len(film_xy)):
+                    found = changed.of_scene.evaluate(changed.looked_at(film_xy), ("radiance", *ERROR_CHANNELS))
                 radiance, error = shown_with_error(changed, found["radiance"], error_of(found), film_xy)
             stated = self.side.uncertainty if self.restate is None else self.restate(changed)
         except Exception as problem:

@@ -13,14 +13,15 @@ from equilux.diagnose import report
 from equilux.diagnose.bounds import PairBounds, Tilts
 from equilux.diagnose.catalogue import all_rules
 from equilux.diagnose.diagnosis import Diagnosis
-from equilux.diagnose.evidence import gather
+from equilux.diagnose.evidence import SLOW_S, gather
 from equilux.diagnose.extension import extended
 from equilux.diagnose.finding import Finding
 from equilux.diagnose.fit import fitted, knobs_of, refine, rounded, started
-from equilux.diagnose.hypotheses import USUAL, Preference, Single, both_orders, every_hypothesis, is_costly, ranked_pairs, single
+from equilux.diagnose.hypotheses import Preference, Single, both_orders, every_hypothesis, is_costly, ranked_pairs, single
 from equilux.diagnose.proof import Court, Proof, Restate
 from equilux.diagnose.second_look import looked_at_again
 from equilux.diagnose.trials import Bench, Causes, Trial, ordered
+from equilux.diagnose.usual import all_usual
 from equilux.edges import film_delta_px
 from equilux_scenes.case import Case
 from equilux_tracer import Tracer
@@ -31,12 +32,18 @@ PROOFS = 16
 """Hypotheses of one size that are proven in full, at most."""
 PLAUSIBLE = 0.05
 """Share of the sampled pixels, wrong and right, that a hypothesis may miss and still be worth a proof."""
+ALIKE = 1e-3
+"""Causes that account for as many of the diverging pixels as others, but for this share, explain alike."""
 EXCUSED, RESTATED = 0.3, 0.7
 """Share of the wrong ones that it may miss before edges are excused, and before geometric uncertainty is restated for it."""
-CHEAP_PAIRS, REFITTED = 400, 12
+CHEAP_PAIRS, REFITTED = 800, 12
 """Pairs that are tried as they stand; sets whose numbers are fitted to each other."""
 SEEDS = 6
 """Sets to which one more cause is added: so many with the fewest pixels missed, so many nearest."""
+COSTLY_BEFORE = 0.5
+"""Share of the time after which no more meshes are made: finding one's number of triangles takes seconds."""
+DECLARED_PROOFS = 4
+"""Single causes that are proven beside a single declared one that explains alike."""
 PROMISING = 0.98
 """A number is fitted beside other causes if a starting value brings the picture at least this much nearer."""
 PARTIAL = 0.1
@@ -163,7 +170,22 @@ class Search:
             fewer = self.court.proof(tuple(other for other in proof.causes if other != applied))
             if fewer is not None and fewer.holds and fewer.explained >= proof.explained:
                 proof = fewer
-        return self.finding(proof, [])
+        return self.finding(proof, self._beside_declared(proof))
+
+    def _beside_declared(self, proof: Proof) -> list[Causes]:
+        """Other single causes that explain as much as a declared one, of those that need no fit: cheap to find."""
+        if len(proof.causes) > 1 or self.bench.sample.seconds_per_position >= SLOW_S:
+            return []
+        found: list[Causes] = []
+        for hypothesis in every_hypothesis(self.bench, self.preference):
+            is_open = hypothesis.parameter is None and self.bench.rules[hypothesis.cause].parameter is not None
+            if is_open or hypothesis.cause == proof.causes[0].cause or len(found) == DECLARED_PROOFS or self.bench.out_of_time:
+                continue
+            trial = self.bench.trial((hypothesis,))
+            other = self.court.proof(trial.causes) if trial is not None and self._few(trial) else None
+            if other is not None and other.holds and other.explained >= proof.explained - ALIKE:
+                found.append(other.causes)
+        return found
 
     def _resolved(self, others: Causes, applied: Applied) -> Applied:
         """A declared cause whose parameter depends on the scene, with the value that fits best."""
@@ -183,7 +205,7 @@ class Search:
 
     def _try_singles(self, hypotheses: Sequence[Applied], model: Trial) -> list[Trial]:
         for hypothesis in hypotheses:
-            if self.bench.out_of_time:
+            if self.bench.out_of_time or (is_costly(self.bench, hypothesis) and self._late):
                 break
             if hypothesis.parameter is None and self.bench.rules[hypothesis.cause].parameter is not None:
                 self.numeric.append(hypothesis)
@@ -196,14 +218,17 @@ class Search:
     def _try_usual(self, model: Trial) -> None:
         """Usual values of what has a number, beside the fitted ones."""
         known = {one.applied for one in self.singles}
-        for usual in (applied for id_, values in USUAL.items() if id_ in self.bench.rules for applied in values):
-            found = single(self.bench, usual, model) if usual not in known else None
+        for applied in all_usual(self.bench):
+            found = single(self.bench, applied, model) if applied not in known else None
             if found is not None:
                 self.singles.append(found)
 
     def _pairs(self, model: Trial) -> list[Trial]:
         """Pairs as they stand; then numbers fitted beside the likeliest single causes."""
         self._try_usual(model)
+        usual = [one.trial for one in self.singles if self.plausible(one.trial) and one.trial.causes not in self.tried]
+        if usual:
+            return usual
         found = self._tried_all(ranked_pairs(self.bench, self.singles, model)[:CHEAP_PAIRS])
         if any(self.plausible(trial) for trial in found):
             return found
@@ -235,7 +260,7 @@ class Search:
         for seed, hypotheses in [*((seed, cheap) for seed in seeds), *((seed, costly) for seed in seeds[: SEEDS // 2])]:
             alone = self.bench.trial(seed)
             for hypothesis in hypotheses:
-                if self.bench.out_of_time:
+                if self.bench.out_of_time or (hypotheses is costly and self._late):
                     return found
                 if alone is None or hypothesis.cause in _ids(seed):
                     continue
@@ -252,6 +277,10 @@ class Search:
                         if self.plausible(trial):
                             return found
         return found
+
+    @property
+    def _late(self) -> bool:
+        return self.bench.time_left_s < (1 - COSTLY_BEFORE) * self.bench.time_limit_s
 
     def _placed(self, seed: Causes, hypothesis: Applied) -> list[Causes]:
         """The seed with one more cause: as a picture is made; of two also the other way round where that matters."""
@@ -327,19 +356,45 @@ class Search:
 
     def _proven(self, trials: Iterable[Trial]) -> Finding | None:
         """The best of those that hold; the others that hold as well are its alternatives."""
-        worth = sorted((trial for trial in trials if self.plausible(trial)), key=self._order)
+        worth = [trial for trial in trials if self.plausible(trial)]
+        least = min((trial.distance for trial in worth), default=0.0)
+        worth.sort(key=lambda trial: self._order(trial, least))
         if self.bench.tilts is not None:
             worth = [rounded(self.bench, trial, knobs_of(trial.causes, self.bench), exactly=True) for trial in worth[:PROOFS]]
-        held = [proof for trial in worth[:PROOFS] if (proof := self.court.proof(trial.causes)) is not None]
+        held = self._proofs(trial.causes for trial in worth[:PROOFS])
         proofs = [proof for proof in held if proof.holds] or looked_at_again(self.bench, self.court, held)
         if not proofs:
             return None
         nearest = max(proofs, key=lambda proof: proof.explained)
-        proofs += [proof for causes in self._substitutes(nearest.causes) if (proof := self.court.proof(causes)) and proof.holds]
+        proofs += [proof for proof in self._proofs(self._substitutes(nearest.causes)) if proof.holds and proof not in proofs]
         most = max(proof.explained for proof in proofs)
-        alike = [proof for proof in proofs if proof.explained >= most - 1e-3]
-        best = min(alike, key=lambda proof: self._order(self.bench.trial(proof.causes)))
-        return self.finding(best, [proof.causes for proof in alike if proof is not best])
+        alike = [proof for proof in proofs if proof.explained >= most - ALIKE]
+        on_sample = {proof.causes: self.bench.trial(proof.causes) for proof in alike}
+        least = min(trial.distance for trial in on_sample.values() if trial is not None)
+        best = min(alike, key=lambda proof: self._order(on_sample[proof.causes], least))
+        fewer = self._without_the_needless(best)
+        others = [] if fewer is not best else [proof.causes for proof in alike if proof is not best]
+        return self.finding(fewer, others)
+
+    def _proofs(self, sets: Iterable[Causes]) -> list[Proof]:
+        """One at least, and then as many as there is time for."""
+        found: list[Proof] = []
+        for causes in sets:
+            if found and self.bench.out_of_time:
+                break
+            proof = self.court.proof(causes)
+            if proof is not None:
+                found.append(proof)
+        return found
+
+    def _without_the_needless(self, proof: Proof) -> Proof:
+        """The smallest of the sets that leave no more over."""
+        for applied in sorted(proof.causes, key=self.preference.of, reverse=True):
+            rest = tuple(other for other in proof.causes if other != applied)
+            fewer = self.court.proof(rest) if rest else None
+            if fewer is not None and int(fewer.left.sum()) <= int(proof.left.sum()):
+                return self._without_the_needless(fewer)
+        return proof
 
     def _substitutes(self, causes: Causes) -> list[Causes]:
         """Sets that have another cause in one place and do as well on the sample; of single causes all were tried before."""
@@ -354,11 +409,12 @@ class Search:
                     found.append(changed)
         return found
 
-    def _order(self, trial: Trial | None) -> tuple[object, ...]:
-        """Preferred names first; of those neither declared nor expected, the clearly nearer ones."""
+    def _order(self, trial: Trial | None, least: float = 0.0) -> tuple[object, ...]:
+        """Preferred names first; of those neither declared nor expected, the clearly nearer ones. least: the distance of the
+        nearest of those that are compared."""
         assert trial is not None
         declared, expected, numbers, each = self.preference.of_all(trial.causes)
-        nearness = int(trial.distance / len(trial.error) > 0.05)
+        nearness = int(trial.distance > 1.25 * least + 0.05 * len(trial.error))
         return (declared, expected, nearness, numbers, each)
 
     def finding(self, proof: Proof, others: Sequence[Causes]) -> Finding:
@@ -382,7 +438,7 @@ class Search:
                 if proof is not None and proof.harmless and self._says_much(proof):
                     best, least = proof, trial.missed + trial.broken - PARTIAL / 2 * diverging
                     break
-        return None if best is None else self.finding(best, [])
+        return None if best is None else self.finding(self._without_the_needless(best), [])
 
     def _says_much(self, proof: Proof) -> bool:
         """Whether many *different* values are accounted for: black is hit by every rule that makes things black."""

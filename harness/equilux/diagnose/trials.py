@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -79,6 +80,11 @@ class Workshop:
             self._tracers[of_scene] = changed.of_scene
         return changed
 
+    @contextmanager
+    def working(self, positions: int) -> Iterator[None]:
+        """Around an evaluation, which may use other threads. Their work counts where time is limited."""
+        yield
+
     def _of_scene(self, causes: Causes) -> Causes:
         return tuple(applied for applied in causes if self._concerns_scene(applied))
 
@@ -104,6 +110,8 @@ class Bench(Workshop):
     times as long by the clock is the limit in any case."""
     _started: tuple[float, float] = field(default_factory=lambda: (time.thread_time(), time.monotonic()))
     tried: int = 0
+    others_s: float = 0.0
+    """What other threads have worked for this one."""
     tilts: Tilts | None = None
     """Geometric uncertainty: what it does to the radiance is another question under other causes."""
     film_delta_px: float = edges.MINIMUM_DELTA_PX
@@ -114,12 +122,22 @@ class Bench(Workshop):
 
     @property
     def time_left_s(self) -> float:
-        return max(0.0, self.time_limit_s - (time.thread_time() - self._started[0]))
+        return max(0.0, self.time_limit_s - self._worked_s)
+
+    @property
+    def _worked_s(self) -> float:
+        return time.thread_time() - self._started[0] + self.others_s
+
+    @contextmanager
+    def working(self, positions: int) -> Iterator[None]:
+        started, cost = time.thread_time(), self.sample.seconds_per_position
+        yield
+        if cost >= QUICK_S:
+            self.others_s += max(0.0, cost * positions - (time.thread_time() - started))
 
     @property
     def out_of_time(self) -> bool:
-        worked, passed = time.thread_time() - self._started[0], time.monotonic() - self._started[1]
-        return worked > self.time_limit_s or passed > 3 * self.time_limit_s
+        return self._worked_s > self.time_limit_s or time.monotonic() - self._started[1] > 3 * self.time_limit_s
 
     def trial(self, causes: Causes) -> Trial | None:
         """None where the hypothesis cannot be rendered."""
@@ -229,7 +247,9 @@ class Bench(Workshop):
         if key not in self._seen:
             if len(self._seen) >= KEPT_PICTURES:
                 del self._seen[next(iter(self._seen))]
-            found = changed.of_scene.evaluate(changed.looked_at(film_xy), ("radiance", *ERROR_CHANNELS), threads=self._threads)
+            with self.working(len(film_xy)):
+                looked_at = changed.looked_at(film_xy)
+                found = changed.of_scene.evaluate(looked_at, ("radiance", *ERROR_CHANNELS), threads=self._threads)
             self._seen[key] = found["radiance"], error_of(found)
         radiance, error = self._seen[key]
         if not any(_changes(self.rules[applied.cause], "change_radiance") for applied in causes):
