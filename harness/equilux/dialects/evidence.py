@@ -32,7 +32,8 @@ class Seen:
 @dataclass
 class Evidence:
     """All that a run says of one adapter. cases: compared with a truth; findings: how many of them by finding (results.json).
-    declared: the cases of each declared rule, in the dialect's order; beyond: of what was found and not declared.
+    declared: the cases of each declared rule, in the dialect's order; beyond: of what was found and not declared. diverging:
+    pixels that diverge from the truth, over all cases; accounted: those of them that proven causes account for.
     """
 
     adapter: str
@@ -44,6 +45,8 @@ class Evidence:
     declared: list[tuple[Declared, list[Seen]]] = field(default_factory=list)
     beyond: list[Seen] = field(default_factory=list)
     unexplained: list[Seen] = field(default_factory=list)
+    diverging: int = 0
+    accounted: int = 0
 
 
 def gathered(run: ReadRun, adapter: str, title: str, dialect: Sequence[Declared]) -> Evidence:
@@ -78,6 +81,9 @@ def with_fits(evidence: Evidence, run: ReadRun, rules: Mapping[str, Rule]) -> No
 
 
 def _sorted_in(out: Evidence, case: str, diagnosis: Diagnosis) -> None:
+    out.diverging += diagnosis.diverging
+    if any(found.id != UNEXPLAINED for found in diagnosis.causes):
+        out.accounted += round(diagnosis.explained * diagnosis.diverging)
     for found in diagnosis.causes:
         seen = Seen(case, found, len(diagnosis.causes) == 1)
         if found.id == UNEXPLAINED:

@@ -42,8 +42,16 @@ def _head(evidence: Evidence) -> str:
         "is found when none is given.\n\n"
         f"From a run of equilux {evidence.equilux} with {evidence.title} {evidence.version}: "
         f"of {counted(evidence.cases, 'case')} {listed(counts) if counts else 'none was compared'}. "
+        f"{_pixels(evidence)}"
         "Written by `equilux dialects`; not edited by hand.\n"
     )
+
+
+def _pixels(evidence: Evidence) -> str:
+    if not evidence.diverging:
+        return ""
+    part = share(evidence.accounted / evidence.diverging)
+    return f"Of the {counted(evidence.diverging, 'pixel')} that diverge from it, {part} carry a proven cause. "
 
 
 def _rule(evidence: Evidence, declared: Declared, seen: Sequence[Seen], rules: Mapping[str, Rule]) -> str:
