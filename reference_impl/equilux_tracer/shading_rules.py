@@ -44,23 +44,41 @@ class ShadingRules:
     """raytraced: False: light from behind makes no highlight."""
     highlight_weighted: bool = True
     """raytraced: False: the highlight of light from in front is not multiplied by 1 − t."""
-    viewer: Literal["model", "from-eye", "fixed"] = "model"
-    """V in every highlight. from-eye: towards the eye point, in every projection. fixed: minus the view direction."""
+    viewer: Literal["model", "from-eye", "fixed", "from-eye-first", "fixed-first"] = "model"
+    """V in every highlight. from-eye: towards the eye point, in every projection. fixed: minus the view direction. -first: so on
+    what the camera's own rays meet; on what mirrored and transmitted rays meet V is the model's."""
     occlusion: bool = True
     """False: nothing stands between a light and a surface."""
-    transparent_shadow: Literal["model", "opaque", "t-only", "k-only", "ignored"] = "model"
+    transparent_shadow: Literal["model", "opaque", "t-only", "k-only", "one-minus-t", "once", "ignored"] = "model"
     """How much light a crossing of a transparent object lets through, model: t k_trans (or all, as the scene says). opaque:
-    nothing. t-only: t. k-only: k_trans. ignored: all."""
+    nothing. t-only: t. k-only: k_trans. one-minus-t: 1 − t. once: t k_trans for each object, however often it is crossed.
+    ignored: all."""
     shadow_bias_m: float = 0.0
     """Blockers nearer to the surface than this are missed."""
-    shadow_bias: Literal["along-ray", "along-normal", "before-light"] = "along-ray"
-    """along-ray: what a shadow ray meets before `shadow_bias_m` is missed. along-normal: the ray starts that far off the surface
-    along N, and ends in the light as always. before-light: what is nearer than `shadow_bias_m` to the light is missed instead."""
+    shadow_bias: Literal[
+        "along-ray", "along-normal", "along-lit-normal", "along-lit-face", "not-aimed", "before-light", "both-ends"
+    ] = "along-ray"
+    """along-ray: what a shadow ray meets before `shadow_bias_m` is missed. before-light: what is nearer than that to the light is
+    missed instead. both-ends: both. along-normal: the ray starts that far off the surface along N, and ends in the light as
+    always. along-lit-normal: along N or −N, whichever is on the light's side. along-lit-face: the same with N_g. not-aimed: as
+    along-lit-normal, but the ray goes on in the surface point's own direction to the light, and as far."""
     weight_cut: float = 0.0
     """Secondary rays whose weight (the whole path's, its largest band) is below are not followed."""
-    total_reflection: Literal["one", "mirror", "transmitted", "none"] = "one"
+    weight_cut_alone: bool = False
+    """What `weight_cut` compares is the weight of the last ray alone."""
+    total_reflection: Literal[
+        "one", "mirror", "transmitted", "none", "k-refl", "one-minus-t", "through", "k-trans", "t", "mirror-and-t"
+    ] = "one"
     """Weight of the mirror ray where light is totally reflected. one: 1. mirror: (1 − t) k_refl. transmitted: t k_trans on top of
-    (1 − t) k_refl. none: 0."""
+    (1 − t) k_refl. none: 0. k-refl: k_refl. one-minus-t: 1 − t. through: t k_trans. k-trans: k_trans. t: t. mirror-and-t: t on
+    top of (1 − t) k_refl."""
+    transmitted_ray: Literal["model", "none", "straight", "inverted", "entering"] = "model"
+    """How the view ray goes on through a transparent surface; T is the model's. none: not at all, but total reflection stays.
+    straight: unbent, and never totally reflected. inverted: by the inverse ratio of the indices. entering: by the ratio of
+    entering the object, also when leaving it."""
+    always_entering: bool = False
+    """Whoever leaves an object bends as if entering it: the index on N's side is 1, the object's own beyond, T likewise. Says
+    nothing under `nested_media` and `media_counted`."""
     nested_media: bool = False
     """A ray that enters an object inside another one bends from the outer object's index, not from 1, and when it leaves, back
     into it; T likewise. Media are spheres, boxes, capped cylinders and planes with t > 0, and meshes of an index other than 1;

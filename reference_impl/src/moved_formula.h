@@ -43,11 +43,8 @@ inline LightShares moved_shares(const Formula& formula, const HeldLight& held, c
 
 // Whether V, of the first surface, points to the eye point from wherever the surface is.
 inline bool viewer_follows(const World& world) {
-  switch (world.description.rules.viewer) {
-    case Viewer::from_eye: return true;
-    case Viewer::fixed: return false;
-    case Viewer::model: break;
-  }
+  const Viewer viewer = viewer_there(world.description.rules, true);
+  if (viewer != Viewer::model) return viewer == Viewer::from_eye;
   return world.description.model == Model::opengl ? !world.description.infinite_viewer : world.camera.perspective();
 }
 

@@ -23,7 +23,10 @@ inline Indices ruled_indices_at(const Tracing& tracing, const Visit& visit) {
   const SurfacePoint& point = visit.point;
   const int object = point.object, medium = visit.journey.medium;
   const Rules& rules = world.description.rules;
-  if (!follows_media(rules)) return own_indices(point, visit.material);
+  if (!follows_media(rules)) {
+    const Indices own = own_indices(point, visit.material);
+    return rules.always_entering && !point.outside ? Indices{own.beyond, own.here} : own;
+  }
   const double innermost = tracing.media.index(world, medium);
   if (!is_medium(world, object)) return {innermost, innermost};
   if (enters(rules, tracing.media, medium, point)) return {innermost, index_inside(world, object)};
@@ -69,7 +72,7 @@ inline bool beyond_ruled_limit(const World& world, const Visit& visit) {
   return visit.journey.counted >= world.description.recursion_limit;
 }
 
-// Takes out the rays that are not followed: whose weight on the whole path is below the cut, or that are beyond the limit.
+// Takes out the rays that are not followed: whose weight (on the whole path, or alone) is below the cut, or that are beyond the limit.
 inline void keep_followed(const World& world, const Visit& visit, const Bands& path_weight, Onward& onward) {
   const Rules& rules = world.description.rules;
   int kept = 0;
@@ -77,13 +80,41 @@ inline void keep_followed(const World& world, const Visit& visit, const Bands& p
     const Onward::Ray& ray = onward.rays[i];
     const bool counts = ray.branch != Branch::transmitted || rules.transmission_counted;
     if (counts && visit.journey.counted >= world.description.recursion_limit) continue;
-    if (largest(path_weight * ray.weight) < rules.weight_cut) continue;
+    if (largest(rules.weight_cut_alone ? ray.weight : path_weight * ray.weight) < rules.weight_cut) continue;
     onward.rays[kept++] = ray;
   }
   onward.count = kept;
 }
 
 // --- secondary rays -------------------------------------------------------------------------------------------------------
+
+// What a totally reflected ray counts.
+inline Bands total_weight(const Rules& rules, const MaterialDescription& material, const Bands& mirrored, const Bands& through) {
+  const double t = material.transparency;
+  switch (rules.total_reflection) {
+    case TotalReflection::one: break;
+    case TotalReflection::mirror: return mirrored;
+    case TotalReflection::transmitted: return mirrored + through;
+    case TotalReflection::none: return {};
+    case TotalReflection::k_refl: return material.reflection;
+    case TotalReflection::one_minus_t: return {1 - t, 1 - t, 1 - t};
+    case TotalReflection::through: return through;
+    case TotalReflection::k_trans: return material.transmission;
+    case TotalReflection::t: return {t, t, t};
+    case TotalReflection::mirror_and_t: return mirrored + Bands{t, t, t};
+  }
+  return {1, 1, 1};
+}
+
+// The indices by which the transmitted ray bends.
+inline Indices indices_of_view(const Rules& rules, const SurfacePoint& point, const Indices& indices) {
+  switch (rules.transmitted_ray) {
+    case TransmittedRay::straight: return {};
+    case TransmittedRay::inverted: return {indices.beyond, indices.here};
+    case TransmittedRay::entering: return point.outside ? indices : Indices{indices.beyond, indices.here};
+    default: return indices;
+  }
+}
 
 inline Onward ruled_onward(const Rules& rules, const SurfacePoint& point, const MaterialDescription& material, const Indices& indices) {
   Onward onward;
@@ -92,18 +123,14 @@ inline Onward ruled_onward(const Rules& rules, const SurfacePoint& point, const 
   const Vec3dd mirror = mirrored_about(point.normal, point.to_viewer);
   if (has_behind(rules, material)) {
     const Bands through = material.transmission * (rules.behind_weighted ? t : 1);
-    const Refraction refraction = refracted(-point.to_viewer, point.normal, indices.here, indices.beyond);
+    const Indices of_view = indices_of_view(rules, point, indices);
+    const Refraction refraction = refracted(-point.to_viewer, point.normal, of_view.here, of_view.beyond);
     if (refraction.total) {
       onward.total = true;
-      switch (rules.total_reflection) {
-        case TotalReflection::one: onward.add(mirror, {1, 1, 1}, Branch::reflected, mirror_bend); break;
-        case TotalReflection::mirror: onward.add(mirror, mirrored, Branch::reflected, mirror_bend); break;
-        case TotalReflection::transmitted: onward.add(mirror, mirrored + through, Branch::reflected, mirror_bend); break;
-        case TotalReflection::none: break;
-      }
+      onward.add(mirror, total_weight(rules, material, mirrored, through), Branch::reflected, mirror_bend);
       return onward;
     }
-    onward.add(refraction.direction, through, Branch::transmitted, refraction.bend);
+    if (rules.transmitted_ray != TransmittedRay::none) onward.add(refraction.direction, through, Branch::transmitted, refraction.bend);
   }
   if (mirrored.any()) onward.add(mirror, mirrored, Branch::reflected, mirror_bend);
   return onward;

@@ -58,7 +58,7 @@ void find_lit_places(const World& world, const SurfacePoint& point, bool first, 
   } else {
     places.at[0] = point;
   }
-  for (int k = 0; k < places.count; ++k) places.at[k].to_viewer = ruled_viewer(world, places.at[k]);
+  for (int k = 0; k < places.count; ++k) places.at[k].to_viewer = ruled_viewer(world, places.at[k], first);
 }
 
 }  // namespace equilux

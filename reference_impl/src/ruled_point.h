@@ -8,13 +8,20 @@ namespace equilux {
 // N as the rules want it. Which side was hit (`outside`, `geometric`) stays.
 void turn_normal(const Rules& rules, SurfacePoint& point);
 
-// V of the highlights; secondary rays keep the true one.
-inline Vec3dd ruled_viewer(const World& world, const SurfacePoint& point) {
-  switch (world.description.rules.viewer) {
-    case Viewer::fixed: return -world.camera.forward;
-    case Viewer::from_eye: return -direction_of(point.position);
-    case Viewer::model: break;
+// The rule for V on a surface; first: seen by the camera, and not by a secondary ray.
+inline Viewer viewer_there(const Rules& rules, bool first) {
+  switch (rules.viewer) {
+    case Viewer::from_eye_first: return first ? Viewer::from_eye : Viewer::model;
+    case Viewer::fixed_first: return first ? Viewer::fixed : Viewer::model;
+    default: return rules.viewer;
   }
+}
+
+// V of the highlights; secondary rays keep the true one.
+inline Vec3dd ruled_viewer(const World& world, const SurfacePoint& point, bool first) {
+  const Viewer viewer = viewer_there(world.description.rules, first);
+  if (viewer == Viewer::fixed) return -world.camera.forward;
+  if (viewer == Viewer::from_eye) return -direction_of(point.position);
   return world.description.model == Model::opengl ? opengl_viewer(world, point) : point.to_viewer;
 }
 

@@ -6,10 +6,11 @@
 namespace equilux {
 
 enum class NormalSide { model, as_given, facing_viewer };
-enum class Viewer { model, from_eye, fixed };
-enum class TransparentShadow { model, opaque, t_only, k_only, ignored };
-enum class ShadowBias { along_ray, along_normal, before_light };
-enum class TotalReflection { one, mirror, transmitted, none };
+enum class Viewer { model, from_eye, fixed, from_eye_first, fixed_first };
+enum class TransparentShadow { model, opaque, t_only, k_only, one_minus_t, once, ignored };
+enum class ShadowBias { along_ray, along_normal, along_lit_normal, along_lit_face, not_aimed, before_light, both_ends };
+enum class TotalReflection { one, mirror, transmitted, none, k_refl, one_minus_t, through, k_trans, t, mirror_and_t };
+enum class TransmittedRay { model, none, straight, inverted, entering };
 
 struct Rules {
   NormalSide normal_side = NormalSide::model;
@@ -28,7 +29,10 @@ struct Rules {
   double shadow_bias_m = 0;
   ShadowBias shadow_bias = ShadowBias::along_ray;
   double weight_cut = 0;
+  bool weight_cut_alone = false;
   TotalReflection total_reflection = TotalReflection::one;
+  TransmittedRay transmitted_ray = TransmittedRay::model;
+  bool always_entering = false;
   bool nested_media = false;
   bool media_counted = false;
   bool transmission_counted = true;

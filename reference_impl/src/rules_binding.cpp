@@ -14,21 +14,43 @@ namespace nb = nanobind;
 namespace equilux {
 namespace {
 
-template <class Kind> using Names = std::array<std::pair<const char*, Kind>, 5>;  // shorter lists end in null
+template <class Kind> using Names = std::array<std::pair<const char*, Kind>, 10>;  // shorter lists end in null
 
 constexpr Names<NormalSide> normal_sides{{{"model", NormalSide::model}, {"as-given", NormalSide::as_given}, {"facing-viewer", NormalSide::facing_viewer}}};
-constexpr Names<Viewer> viewers{{{"model", Viewer::model}, {"from-eye", Viewer::from_eye}, {"fixed", Viewer::fixed}}};
+constexpr Names<Viewer> viewers{{{"model", Viewer::model},
+                                 {"from-eye", Viewer::from_eye},
+                                 {"fixed", Viewer::fixed},
+                                 {"from-eye-first", Viewer::from_eye_first},
+                                 {"fixed-first", Viewer::fixed_first}}};
 constexpr Names<TransparentShadow> transparent_shadows{{{"model", TransparentShadow::model},
                                                         {"opaque", TransparentShadow::opaque},
                                                         {"t-only", TransparentShadow::t_only},
                                                         {"k-only", TransparentShadow::k_only},
+                                                        {"one-minus-t", TransparentShadow::one_minus_t},
+                                                        {"once", TransparentShadow::once},
                                                         {"ignored", TransparentShadow::ignored}}};
-constexpr Names<ShadowBias> shadow_biases{
-    {{"along-ray", ShadowBias::along_ray}, {"along-normal", ShadowBias::along_normal}, {"before-light", ShadowBias::before_light}}};
+constexpr Names<ShadowBias> shadow_biases{{{"along-ray", ShadowBias::along_ray},
+                                           {"along-normal", ShadowBias::along_normal},
+                                           {"along-lit-normal", ShadowBias::along_lit_normal},
+                                           {"along-lit-face", ShadowBias::along_lit_face},
+                                           {"not-aimed", ShadowBias::not_aimed},
+                                           {"before-light", ShadowBias::before_light},
+                                           {"both-ends", ShadowBias::both_ends}}};
 constexpr Names<TotalReflection> total_reflections{{{"one", TotalReflection::one},
                                                     {"mirror", TotalReflection::mirror},
                                                     {"transmitted", TotalReflection::transmitted},
-                                                    {"none", TotalReflection::none}}};
+                                                    {"none", TotalReflection::none},
+                                                    {"k-refl", TotalReflection::k_refl},
+                                                    {"one-minus-t", TotalReflection::one_minus_t},
+                                                    {"through", TotalReflection::through},
+                                                    {"k-trans", TotalReflection::k_trans},
+                                                    {"t", TotalReflection::t},
+                                                    {"mirror-and-t", TotalReflection::mirror_and_t}}};
+constexpr Names<TransmittedRay> transmitted_rays{{{"model", TransmittedRay::model},
+                                                  {"none", TransmittedRay::none},
+                                                  {"straight", TransmittedRay::straight},
+                                                  {"inverted", TransmittedRay::inverted},
+                                                  {"entering", TransmittedRay::entering}}};
 
 class Fields {
  public:
@@ -91,7 +113,10 @@ void set_rules(Rules& rules, const nb::kwargs& given) {
   fields.read("shadow_bias_m", rules.shadow_bias_m);
   fields.read("shadow_bias", rules.shadow_bias, shadow_biases);
   fields.read("weight_cut", rules.weight_cut);
+  fields.read("weight_cut_alone", rules.weight_cut_alone);
   fields.read("total_reflection", rules.total_reflection, total_reflections);
+  fields.read("transmitted_ray", rules.transmitted_ray, transmitted_rays);
+  fields.read("always_entering", rules.always_entering);
   fields.read("nested_media", rules.nested_media);
   fields.read("media_counted", rules.media_counted);
   fields.read("transmission_counted", rules.transmission_counted);

@@ -154,8 +154,10 @@ template <class F> Bands Steps<F>::local_change(const Hit& hit, int j, const Ste
   SurfacePoint place = stepped(hit, hit.places.at[j], step);
   if constexpr (F::ruled) {
     // V of the highlights, where it is not that of the path.
-    const Viewer viewer = world_.description.rules.viewer;
-    if (viewer == Viewer::fixed || (viewer == Viewer::from_eye && largest(step.position) > 0)) place.to_viewer = ruled_viewer(world_, place);
+    const Viewer viewer = viewer_there(world_.description.rules, hit.used == 0);
+    if (viewer == Viewer::fixed || (viewer == Viewer::from_eye && largest(step.position) > 0)) {
+      place.to_viewer = ruled_viewer(world_, place, hit.used == 0);
+    }
   }
   return local(hit, j, place) - local(hit, j, hit.places.at[j]);
 }

@@ -275,8 +275,10 @@ Shadow ShadowRays::shadow(const Ray& ray, double distance) {
     return std::tuple(a.object, a.s, a.triangle) < std::tuple(b.object, b.s, b.triangle);
   };
   std::sort(between_.begin(), between_.end(), in_file_order);
+  const bool once = traversal_.world().description.rules.transparent_shadow == TransparentShadow::once;
   for (std::size_t i = 0; i < between_.size(); ++i) {
     if (seen_before(i)) continue;
+    if (once && i > 0 && between_[i - 1].object == between_[i].object) continue;
     result.share = result.share * traversal_.world().casts[static_cast<std::size_t>(between_[i].object)].share;
     result.crossings += 1;
     result.crossed = (result.crossed + static_cast<std::uint64_t>(between_[i].object) + 2) * 0x9e3779b97f4a7c15u;

@@ -182,6 +182,8 @@ void World::prepare_shadows() {
         case TransparentShadow::opaque: shadow.blocks = true; break;
         case TransparentShadow::t_only: shadow.share = {t, t, t}; break;
         case TransparentShadow::k_only: shadow.share = material.transmission; break;
+        case TransparentShadow::one_minus_t: shadow.share = {1 - t, 1 - t, 1 - t}; break;
+        case TransparentShadow::once: shadow.share = material.transmission * t; break;
         case TransparentShadow::ignored: shadow.skipped = true; break;
       }
     }

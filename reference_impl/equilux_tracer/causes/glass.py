@@ -8,6 +8,7 @@ from typing import Any, ClassVar
 
 from equilux_scenes.case import Case
 from equilux_scenes.model import Material, Scene
+from equilux_tracer.causes.media import shines_through
 from equilux_tracer.causes.rewrite import (
     BLACK,
     WHITE,
@@ -16,7 +17,6 @@ from equilux_tracer.causes.rewrite import (
     is_see_through,
     used_materials,
     with_materials,
-    with_scene,
 )
 from equilux_tracer.causes.rule import Applied
 from equilux_tracer.shading_rules import ShadingRules
@@ -34,13 +34,15 @@ class RefractionMissing(CheckedRule):
     formula = ("t k_trans L_trans, L_trans along the refracted ray", "0, or L_trans straight on, or the surface is opaque")
     readings: ClassVar[Mapping[str, str]] = {
         "": "k_trans = 0: black is seen through it, and it casts a full shadow under attenuate",
+        "not followed": "t k_trans L_trans is left out, all else is right: its shadow, and total reflection",
+        "not followed, nor totally reflected": "the same, and where light is totally reflected black is seen",
         "black, shadows by t": "black is seen through it; its shadow lets t through",
-        "black, shadows kept": "black is seen through it, its shadow is right: no ray is followed; tried where nothing mirrors",
         "opaque": "t = 0: the surface's own terms in full, and a full shadow",
         "opaque, shadows kept": "L_1 in place of (1 − t) L_1 + t L_2, and its shadow is right",
         "opaque, 1 − t of its own": "(1 − t) L_1 alone, and a full shadow (VTK Q17)",
         "opaque, 1 − t of its own, shadows kept": "(1 − t) L_1 alone, and its shadow is right",
         "not bent": "ior = 1: straight on, and no total reflection",
+        "not bent, view rays": "the same of view rays alone; T, in the highlight of light from behind, is bent",
     }
 
     def touches(self, scene: Scene) -> bool:
@@ -49,13 +51,19 @@ class RefractionMissing(CheckedRule):
     def values(self, case: Case, reading: str) -> Sequence[None]:
         lit = is_lit(case.scene)
         attenuates = case.scene.transparent_shadows == "attenuate" and lit
-        mirrors = any(any(material.reflection) and material.transparency < 1 for material in used_materials(case.scene))
-        possible = {"black, shadows by t": attenuates, "black, shadows kept": attenuates and not mirrors}
+        bends = any(m.transparency > 0 and m.ior != 1 for m in used_materials(case.scene))
+        possible = {
+            "black, shadows by t": attenuates,
+            "not followed": attenuates and case.scene.recursion_limit > 0,
+            "not followed, nor totally reflected": bends and case.scene.recursion_limit > 0,
+            "not bent": bends,
+            "not bent, view rays": bends and shines_through(case.scene),
+        }
         return (None,) if possible.get(reading, lit or not reading.endswith("kept")) else ()
 
     def change_case(self, case: Case, applied: Applied) -> Case:
-        if applied.reading == "black, shadows kept":
-            return with_scene(case, recursion_limit=0)
+        if applied.reading.startswith("not followed") or applied.reading == "not bent, view rays":
+            return case
         changed = with_materials(
             case, lambda material: _seen_through(material, applied.reading) if material.transparency > 0 else {}
         )
@@ -65,6 +73,12 @@ class RefractionMissing(CheckedRule):
 
     def change_shading(self, rules: ShadingRules, applied: Applied) -> ShadingRules:
         match applied.reading:
+            case "not followed":
+                return dataclasses.replace(rules, transmitted_ray="none")
+            case "not followed, nor totally reflected":
+                return dataclasses.replace(rules, transmitted_ray="none", total_reflection="none")
+            case "not bent, view rays":
+                return dataclasses.replace(rules, transmitted_ray="straight")
             case "black, shadows by t":
                 return dataclasses.replace(rules, transparent_shadow="t-only")
             case "opaque, shadows kept" | "opaque, 1 − t of its own, shadows kept":

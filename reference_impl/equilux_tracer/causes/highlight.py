@@ -194,12 +194,16 @@ class TransparentHighlightUnweighted(CheckedRule):
         return dataclasses.replace(rules, highlight_weighted=False)
 
 
+_FIRST = "on what the camera's own rays meet; on what mirrors and glass show, V is right"
+
+
 class ViewVectorFromEye(_Highlight):
     """V is always taken to the eye point: where the rays of the view are parallel (VTK Q9), where the viewer is infinite, and in
     what mirrors and glass show, where it should be minus the ray's direction."""
 
     id = "view-vector-from-eye"
     formula = ("V = −(direction of the ray); opengl, infinite viewer: −(view direction)", "V = unit(eye − P)")
+    readings: ClassVar[Mapping[str, str]] = {"": "on every surface", "camera rays only": _FIRST}
 
     def touches(self, scene: Scene) -> bool:
         if _is_opengl(scene):
@@ -207,7 +211,12 @@ class ViewVectorFromEye(_Highlight):
         return (follows_rays(scene) or not isinstance(scene.camera, PerspectiveCamera)) and has_highlight(scene)
 
     def change_shading(self, rules: ShadingRules, applied: Applied) -> ShadingRules:
-        return dataclasses.replace(rules, viewer="from-eye")
+        return dataclasses.replace(rules, viewer="from-eye-first" if applied.reading else "from-eye")
+
+    def values(self, case: Case, reading: str) -> Sequence[None]:
+        # With perspective, the camera's own rays come from the eye anyway.
+        parallel = not isinstance(case.scene.camera, PerspectiveCamera)
+        return (None,) if not reading or (parallel and follows_rays(case.scene)) else ()
 
 
 class ViewVectorFixed(_Highlight):
@@ -215,6 +224,7 @@ class ViewVectorFixed(_Highlight):
 
     id = "view-vector-fixed"
     formula = ("V = −(direction of the ray); opengl: unit(eye − P)", "V = −(view direction)")
+    readings: ClassVar[Mapping[str, str]] = {"": "on every surface", "camera rays only": _FIRST}
 
     def touches(self, scene: Scene) -> bool:
         if _is_opengl(scene):
@@ -222,7 +232,12 @@ class ViewVectorFixed(_Highlight):
         return (follows_rays(scene) or isinstance(scene.camera, PerspectiveCamera)) and has_highlight(scene)
 
     def change_shading(self, rules: ShadingRules, applied: Applied) -> ShadingRules:
-        return dataclasses.replace(rules, viewer="fixed")
+        return dataclasses.replace(rules, viewer="fixed-first" if applied.reading else "fixed")
+
+    def values(self, case: Case, reading: str) -> Sequence[None]:
+        # Where views are parallel, the camera's own rays all come from there anyway.
+        spread = isinstance(case.scene.camera, PerspectiveCamera)
+        return (None,) if not reading or (spread and follows_rays(case.scene)) else ()
 
 
 RULES: Sequence[Rule] = (

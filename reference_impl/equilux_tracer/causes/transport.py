@@ -61,10 +61,16 @@ class TransparentShadowRule(CheckedRule):
         "opaque": "τ = 0: a full shadow",
         "t only": "τ = Π t",
         "k_trans only": "τ = Π k_trans",
+        "once per object": "τ = Π t k_trans over the objects that are crossed, however often",
+        "1 − t": "τ = Π (1 − t)",
     }
 
     def touches(self, scene: Scene) -> bool:
         return is_lit(scene) and is_see_through(scene)
+
+    def values(self, case: Case, reading: str) -> Sequence[None]:
+        attenuates = case.scene.transparent_shadows == "attenuate"
+        return (None,) if attenuates or reading != "once per object" else ()
 
     def change_shading(self, rules: ShadingRules, applied: Applied) -> ShadingRules:
         match applied.reading:
@@ -74,6 +80,10 @@ class TransparentShadowRule(CheckedRule):
                 return dataclasses.replace(rules, transparent_shadow="t-only")
             case "k_trans only":
                 return dataclasses.replace(rules, transparent_shadow="k-only")
+            case "once per object":
+                return dataclasses.replace(rules, transparent_shadow="once")
+            case "1 − t":
+                return dataclasses.replace(rules, transparent_shadow="one-minus-t")
             case _:
                 return rules
 
@@ -112,11 +122,18 @@ class ReflectionMissing(CheckedRule):
         return dataclasses.replace(rules, total_reflection="none") if applied.reading else rules
 
 
-_BIASES: dict[str, Literal["along-ray", "along-normal", "before-light"]] = {
-    "": "along-ray",
-    "off the surface": "along-normal",
-    "before the light": "before-light",
+_Bias = Literal["along-ray", "along-normal", "along-lit-normal", "along-lit-face", "not-aimed", "before-light", "both-ends"]
+
+_BIASES: Mapping[str, tuple[_Bias, str]] = {
+    "": ("along-ray", "s along the shadow ray"),
+    "off the surface": ("along-lit-normal", "the shadow ray starts a length off the surface along N, on the light's side"),
+    "off the viewer's side": ("along-normal", "the same, on the viewer's side wherever the light is"),
+    "off the face": ("along-lit-face", "along the geometric normal, on the light's side"),
+    "off the surface, not aimed": ("not-aimed", "on the light's side, and on in the direction that L had at the surface"),
+    "before the light": ("before-light", "τ: crossings with s ≤ r − length, r the distance of the light"),
+    "both ends": ("both-ends", "τ: crossings with length ≤ s ≤ r − length"),
 }
+"""The rule's readings: which bias, and in words."""
 
 
 class ShadowBias(CheckedRule):
@@ -127,11 +144,7 @@ class ShadowBias(CheckedRule):
     id = "shadow-bias"
     group = "transport"
     formula = ("τ: crossings with 0 < s", "τ: crossings with length ≤ s, s from the surface")
-    readings: ClassVar[Mapping[str, str]] = {
-        "": "s along the shadow ray",
-        "off the surface": "the shadow ray starts a length off the surface, along its normal",
-        "before the light": "τ: crossings with s ≤ r − length, r the distance of the light",
-    }
+    readings: ClassVar[Mapping[str, str]] = {name: words for name, (_, words) in _BIASES.items()}
     parameter = Continuous("length", "m", 1e-12, 1e12, "log")
 
     def touches(self, scene: Scene) -> bool:
@@ -139,11 +152,18 @@ class ShadowBias(CheckedRule):
 
     def values(self, case: Case, reading: str) -> Sequence[None]:
         near = any(not isinstance(light, DirectionalLight) for light in case.scene.delta_lights.values())
-        return (None,) if near or reading != "before the light" else ()
+        possible = {
+            "off the viewer's side": is_see_through(case.scene),
+            "off the face": any(mesh.vertex_normals is not None for mesh in case.meshes.values()),
+            "off the surface, not aimed": near,
+            "before the light": near,
+            "both ends": near,
+        }
+        return (None,) if possible.get(reading, True) else ()
 
     def change_shading(self, rules: ShadingRules, applied: Applied) -> ShadingRules:
         length = float(applied.parameter)  # type: ignore[arg-type]
-        return dataclasses.replace(rules, shadow_bias_m=length, shadow_bias=_BIASES[applied.reading])
+        return dataclasses.replace(rules, shadow_bias_m=length, shadow_bias=_BIASES[applied.reading][0])
 
     def estimates(self, hypothesis: Applied, evidence: Evidence) -> Sequence[Applied]:
         """Three lengths a decade, from 1e-6 of the scene's size to that size, round ones. Of those that do the same the shortest

@@ -100,6 +100,8 @@ def directly_seen(case, obj):
     ("reading", "glass"),
     [
         ("opaque", {"transmission": 0}),
+        ("1 − t", {"transmission": 0.4 / 0.6}),
+        ("once per object", {"transmission": np.sqrt([0.9 / 0.6, 0.8 / 0.6, 0.7 / 0.6]).tolist()}),
         ("t only", {"transmission": 1}),
         ("k_trans only", {"transmission": [0.9 / 0.6, 0.8 / 0.6, 0.7 / 0.6]}),
     ],
@@ -138,15 +140,37 @@ def seen(case, cause, parameter=None, reading=""):
     return float(with_cause(case, cause, parameter, reading)[0, 0, 0])
 
 
-@pytest.mark.parametrize(("reading", "weight"), [("", 0.5 * 0.3), ("transmitted too", 0.5 * 0.3 + 0.5 * 0.8), ("none", 0.0)])
+@pytest.mark.parametrize(
+    ("reading", "weight"),
+    [
+        ("", 0.4 * 0.3),
+        ("k_refl", 0.3),
+        ("t k_trans", 0.6 * 0.8),
+        ("transmitted too", 0.4 * 0.3 + 0.6 * 0.8),
+        ("none", 0.0),
+        ("t", 0.6),
+        ("t too", 0.4 * 0.3 + 0.6),
+        ("k_trans", 0.8),
+        ("1 − t", 0.4),
+    ],
+)
 def test_total_reflection_has_the_weight_of_the_rule(reading, weight):
-    water = {"reflection": 0.3, "transmission": 0.8, "transparency": 0.5, "ior": 1.33}
+    water = {"reflection": 0.3, "transmission": 0.8, "transparency": 0.6, "ior": 1.33}
     case = case_of(
         scene(plane([0, 0, 0], [0, 1, 0], "w"), materials={"w": water}, eye=[0, -1, 0], target=[3, 0, 0], background=2.0)
     )
     assert picture(case)[0, 0, 0] == 2.0
     assert seen(case, "tir-weight", None, reading) == pytest.approx(2 * weight, abs=1e-15)
     assert seen(case, "reflection-missing", None, "total reflection too") == 0
+    assert seen(case, "refraction-missing", None, "not followed") == 2.0
+    assert seen(case, "refraction-missing", None, "not followed, nor totally reflected") == 0
+
+
+def test_weights_of_total_reflection_that_are_the_same_here_are_tried_once():
+    clear = {"diffuse": 0.1, "reflection": 0.2, "transmission": 1, "transparency": 1, "ior": 1.5}
+    assert [reading for _, reading in tried(by_hand(glass=clear), "tir-weight")] == ["", "k_refl"], (
+        "0 and 0.2; all others are 0 or 1"
+    )
 
 
 def test_glass_in_glass_of_the_same_index_is_not_there_where_media_nest():
@@ -215,7 +239,20 @@ def test_the_weight_at_which_rays_end_is_among_the_estimates(cut):
         assert cut in tried_cuts
 
 
-@pytest.mark.parametrize(("reading", "length", "shadow"), [("", 0.3, False), ("", 0.2, True), ("off the surface", 0.3, False)])
+@pytest.mark.parametrize(
+    ("reading", "length", "shadow"),
+    [
+        ("", 0.3, False),
+        ("", 0.2, True),
+        ("off the surface", 0.3, False),
+        ("off the surface", 0.2, True),
+        ("off the surface, not aimed", 0.3, False),
+        ("off the face", 0.3, False),
+        ("both ends", 0.3, False),
+        ("before the light", 49.8, False),
+        ("before the light", 49.7, True),
+    ],
+)
 def test_blockers_nearer_than_the_bias_cast_no_shadow(reading, length, shadow):
     """A lid a quarter above the floor, the floor seen from beside it."""
     objects = [plane([0, 0, 0], [0, 1, 0], "f"), box([-1, 0.25, -1], [1, 0.26, 1], "f")]
@@ -228,6 +265,23 @@ def test_blockers_nearer_than_the_bias_cast_no_shadow(reading, length, shadow):
     assert seen(case, "shadow-bias", length, reading) == pytest.approx(0 if shadow else bare[0, 0, 0], rel=1e-12)
     lengths = [value.parameter for value in RULES["shadow-bias"].estimates(Applied("shadow-bias"), evidence_of(case, bare))]
     assert min(lengths) < 1e-3 < 0.5 in lengths
+
+
+def test_of_many_weights_a_few_are_tried_and_the_right_one_is_among_them():
+    glass = {"reflection": [0.31, 0.2, 0.17], "transmission": [0.93, 0.8, 0.7], "transparency": 0.55}
+    case = by_hand(glass=glass, mirror={"reflection": [0.7, 0.6, 0.5]}, floor={"reflection": [0.13, 0.1, 0.2]}, recursion_limit=6)
+    for cut in (1 / 255, 0.05, 0.0137):
+        shown = with_cause(case, "weight-cut", cut)
+        assert np.abs(shown - picture(case)).max() > 1e-6
+        cuts = estimated(case, "weight-cut", cut)
+        assert len(cuts) <= 20
+        assert any(np.array_equal(with_cause(case, "weight-cut", value), shown) for value in cuts), (cut, cuts)
+
+
+def test_the_weight_of_each_ray_alone_may_decide():
+    assert seen(between_mirrors(), "weight-cut", 0.4, "each ray alone") == picture(between_mirrors())[0, 0, 0]
+    assert seen(between_mirrors(), "weight-cut", 0.6, "each ray alone") == 1.0
+    assert [value for value in estimated(between_mirrors(), "weight-cut", 0.6, "each ray alone") if value > 0.5]
 
 
 # --- what is tried ----------------------------------------------------------------------------------------------------
@@ -251,12 +305,14 @@ def test_beyond_the_cut_the_background_may_show():
 
 
 def test_glass_through_which_no_ray_is_followed_casts_its_shadow_all_the_same():
-    dull = {name: {"reflection": 0} for name in ("glass", "mirror", "floor")}
-    case = by_hand(**dull)
-    got, glass = with_cause(case, "refraction-missing", None, "black, shadows kept"), directly_seen(case, 1)
+    case = by_hand(floor={"reflection": 0}, mirror={"reflection": 0})  # nothing shows the glass, which mirrors all the same
+    got, glass = with_cause(case, "refraction-missing", None, "not followed"), directly_seen(case, 1)
     assert_same(got[~glass], picture(case)[~glass])
     assert_same(got[glass], (picture(case) - Tracer(case).render(["transmitted"])["transmitted"])[glass])
-    assert "black, shadows kept" not in {reading for _, reading in tried(CASE, "refraction-missing")}
+    assert "not followed" in {reading for _, reading in tried(CASE, "refraction-missing")}
+    assert "not followed" not in {reading for _, reading in tried(by_hand(transparent_shadows="ignore"), "refraction-missing")}, (
+        "that is k_trans = 0"
+    )
 
 
 @pytest.mark.parametrize("shadows", ["attenuate", "ignore"])
@@ -275,6 +331,31 @@ def test_glass_that_is_opaque_to_the_eye_alone_casts_its_own_shadow(reading, own
         for name in ("diffuse", "specular")
     )
     assert_same(got[glass], front[glass] / 0.4 * own)
+
+
+@pytest.mark.parametrize(
+    ("cause", "everywhere", "reading"),
+    [("refraction-missing", "not bent", "not bent, view rays"), ("index-inverted", "", "view rays")],
+)
+def test_the_highlight_of_light_from_behind_keeps_its_bend_where_view_rays_alone_are_wrong(cause, everywhere, reading):
+    """A pane between lamp and eye: its own terms are the model's, and what is seen through it is not."""
+    pane = {"specular": 1, "exponent": 4, "transparency": 0.5, "transmission": 0.8, "ior": 1.4}
+    ground = {"kind": "plane", "point": [0, -2, 0], "normal": [0, 1, 0.3], "material": "wall"}
+    case = case_of(
+        scene(plane([0, 0, 0], [0, 0, 1], "pane"), ground, materials={"pane": pane, "wall": {"diffuse": 1.0}},
+              lights=[lamp([1, 2, -3], 30.0)], eye=[0.4, 0.2, 4], target=[0, 0, 0])
+    )  # fmt: skip
+    black = {name: (m.model_copy(update={"transmission": (0, 0, 0)})) for name, m in case.scene.materials.items()}
+    own = case.__class__(case.name, case.scene.model_copy(update={"materials": black}), case.scene_name)
+    assert_same(with_cause(own, cause, None, reading), picture(own))
+    assert seen(own, cause, None, everywhere) != seen(own, cause, None, reading), "T is bent otherwise"
+    through, right = (
+        seen(case, cause, None, reading) - seen(own, cause, None, reading),
+        picture(case)[0, 0, 0] - picture(own)[0, 0, 0],
+    )
+    assert abs(through - right) > 1e-6, "and so is what is seen"
+    assert (None, reading) in tried(case, cause)
+    assert (None, reading) not in tried(by_hand(glass={"specular": 0}), cause), "without a highlight it is the plain reading"
 
 
 def test_every_smaller_recursion_limit_is_tried_and_those_just_beyond():

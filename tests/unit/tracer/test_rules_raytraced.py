@@ -115,6 +115,8 @@ GLASS = {"transparency": 0.5, "transmission": [0.8, 0.4, 0.2]}
         ("opaque", [0, 0, 0]),
         ("t-only", [0.5, 0.5, 0.5]),
         ("k-only", [0.8, 0.4, 0.2]),
+        ("one-minus-t", [0.5, 0.5, 0.5]),
+        ("once", [0.4, 0.2, 0.1]),
         ("ignored", [1, 1, 1]),
     ],
 )
@@ -136,6 +138,59 @@ def test_blockers_nearer_than_the_bias_are_missed(bias, along, lit):
     lid = plane([0, 0, 0.1], [0, 0, 1], "floor")
     got = floor_under(lid, rules={"shadow_bias_m": bias, "shadow_bias": along}, direction=SLANT)[0]
     close(got, 0.5 if lit else 0)
+
+
+def test_an_object_that_is_crossed_twice_may_take_its_share_once():
+    ball = sphere([0, 0, 2], 1, "glass")
+    np.testing.assert_allclose(floor_under(ball, materials={"glass": GLASS}), [0.16, 0.04, 0.01], rtol=1e-14)
+    once = floor_under(ball, materials={"glass": GLASS}, rules={"transparent_shadow": "once"})
+    np.testing.assert_allclose(once, [0.4, 0.2, 0.1], rtol=1e-14)
+    two = floor_under(ball, sphere([0, 0, 5], 1, "glass"), materials={"glass": GLASS}, rules={"transparent_shadow": "once"})
+    np.testing.assert_allclose(two, [0.16, 0.04, 0.01], rtol=1e-14)
+
+
+@pytest.mark.parametrize(
+    ("bias", "kind", "height", "lit"),
+    [
+        (0.2, "before-light", 0.9, True),
+        (0.2, "before-light", 0.7, False),
+        (0.2, "before-light", 0.1, False),
+        (0.2, "both-ends", 0.9, True),
+        (0.2, "both-ends", 0.1, True),
+        (0.2, "both-ends", 0.5, False),
+        (0.2, "along-lit-normal", 0.15, True),
+        (0.2, "along-lit-normal", 0.25, False),
+        (0.2, "along-lit-face", 0.15, True),
+        (0.2, "along-lit-face", 0.25, False),
+        (0.2, "not-aimed", 0.15, True),
+        (0.2, "not-aimed", 0.25, False),
+    ],
+)
+def test_what_is_near_either_end_of_a_shadow_ray_may_be_missed(bias, kind, height, lit):
+    lamp = {"kind": "point", "position": [0.1, 0, 1.0], "intensity": 1.0}
+    lid = {"kind": "disc", "center": [0, 0, height], "normal": [0, 0, 1], "radius": 0.25, "material": "floor"}
+    what = {"materials": {"floor": MATT}, "lights": [lamp], "eye": [0, -3, 0.05], "target": [0, 0, 0]}
+    assert value(FLOOR, lid, **what)[0] == 0
+    assert (value(FLOOR, lid, rules={"shadow_bias_m": bias, "shadow_bias": kind}, **what)[0] > 0) == lit
+
+
+@pytest.mark.parametrize(("kind", "lit"), [("along-lit-normal", True), ("not-aimed", False)])
+def test_a_shadow_ray_that_is_not_aimed_runs_beside_the_one_that_is(kind, lit):
+    """From 0.5 above the floor to a lamp at (1.5, 0, 1.5): parallel to L it passes through (0.5, 0, 1), aimed at 0.75."""
+    blocker = {"kind": "disc", "center": [0.5, 0, 1.0], "normal": [0, 0, 1], "radius": 0.1, "material": "floor"}
+    lamp = {"kind": "point", "position": [1.5, 0, 1.5], "intensity": 1.0}
+    what = {"materials": {"floor": MATT}, "lights": [lamp], "eye": [0, -3, 0.05], "target": [0, 0, 0]}
+    got = value(FLOOR, blocker, rules={"shadow_bias_m": 0.5, "shadow_bias": kind}, **what)[0]
+    assert (got > 0) == lit
+
+
+@pytest.mark.parametrize(("kind", "share"), [("along-normal", 0), ("along-lit-normal", 0.5)])
+def test_the_bias_lies_on_the_light_s_side_of_glass_or_on_the_viewer_s(kind, share):
+    """Light from below a pane, a lid 0.15 below it: a ray from 0.2 above the pane meets the lid, one from 0.2 below does not."""
+    lid = plane([0, 0, -0.15], [0, 0, 1], "lid")
+    pane_of = {"diffuse": 1.0, "transparency": 0.5, "transmission": 1.0}
+    what = {"materials": {"pane": pane_of, "lid": {}}, "lights": [sun([0, 0, 1])], "eye": [0, 0, 4], "target": [0, 0, 0]}
+    close(value(plane([0, 0, 0], [0, 0, 1], "pane"), lid, rules={"shadow_bias_m": 0.2, "shadow_bias": kind}, **what)[0], share)
 
 
 def test_the_bias_hides_the_far_side_of_the_object_itself():
@@ -209,7 +264,18 @@ def test_at_most_256_rays_go_through_where_they_do_not_count():
 
 @pytest.mark.parametrize(
     ("rule", "weight"),
-    [("one", 1.0), ("mirror", (1 - T) * 0.4), ("transmitted", (1 - T) * 0.4 + T * 0.5), ("none", 0.0)],
+    [
+        ("one", 1.0),
+        ("mirror", (1 - T) * 0.4),
+        ("transmitted", (1 - T) * 0.4 + T * 0.5),
+        ("none", 0.0),
+        ("k-refl", 0.4),
+        ("one-minus-t", 1 - T),
+        ("through", T * 0.5),
+        ("k-trans", 0.5),
+        ("t", T),
+        ("mirror-and-t", (1 - T) * 0.4 + T),
+    ],
 )
 def test_the_weight_of_a_totally_reflected_ray(rule, weight):
     water = {"transparency": T, "reflection": 0.4, "transmission": 0.5, "ior": 1.5}
@@ -281,6 +347,79 @@ def test_an_inner_medium_can_reflect_totally_only_against_the_outer_one():
     target = [0, 0.7, 5 - math.sqrt(1 - 0.49)]
     got = [value(*objects, materials=materials, eye=[0, 0, 5], target=target, rules=r)[0] for r in (None, {"nested_media": True})]
     assert got == [0, 1]
+
+
+# --- how the transmitted ray goes on --------------------------------------------------------------------------------------
+
+
+def through_a_slab(y, rules):
+    """Whether the ray that enters a slab of glass, 4 thick, with sine 0.6 meets a dot at y on the ground 2 below."""
+    dot = {"kind": "disc", "center": [0, y, 0], "normal": [0, 0, 1], "radius": 1e-6, "material": "glow"}
+    glass = {"transparency": 1.0, "transmission": 1.0, "ior": CORE}
+    what = {"materials": {"glass": glass, "glow": {"emission": 1.0}}, "eye": [0, 0, 10], "target": [0, SIN, 10 - 0.8]}
+    return value(box([-90, -90, 2], [90, 90, 6], "glass"), dot, rules=rules, **what)[0]
+
+
+@pytest.mark.parametrize(
+    ("rules", "inside", "below"),
+    [
+        ({}, SIN / CORE, SIN),
+        ({"transmitted_ray": "straight"}, SIN, SIN),
+        ({"transmitted_ray": "inverted"}, SIN * CORE, SIN),
+        ({"transmitted_ray": "entering"}, SIN / CORE, SIN / CORE / CORE),
+        ({"always_entering": True}, SIN / CORE, SIN / CORE / CORE),
+    ],
+    ids=str,
+)
+def test_the_transmitted_ray_bends_as_the_rule_says(rules, inside, below):
+    y = landing((4, SIN), (4, inside), (2, below))
+    assert through_a_slab(y, rules) == 1
+    assert through_a_slab(y + 1e-5, rules) == 0
+
+
+def test_transmitted_rays_may_be_left_out_while_total_reflection_stays():
+    assert through_a_slab(landing((4, SIN), (4, SIN / CORE), (2, SIN)), {"transmitted_ray": "none"}) == 0
+    water = {"transparency": 1.0, "transmission": 1.0, "ior": 1.5}
+    above = plane([0, 0, 9], [0, 0, 1], "glow")
+    what = {"materials": {"water": water, "glow": {"emission": 5.0}}, "eye": [0, 0, -1], "target": [0, 2, 0], "background": 3.0}
+    seen = {way: value(plane([0, 0, 0], [0, 0, 1], "water"), above, rules={"transmitted_ray": way}, **what)[0] for way in WAYS}
+    assert seen == {"model": 3, "none": 3, "straight": 5}
+
+
+WAYS = ("model", "none", "straight")
+
+
+def test_the_weight_of_the_last_ray_alone_may_be_compared():
+    close(between_mirrors({"weight_cut": 0.3, "weight_cut_alone": True}, recursion_limit=12), sum(0.5**k for k in range(13)))
+    close(between_mirrors({"weight_cut": 0.6, "weight_cut_alone": True}, recursion_limit=12), 1.0)
+
+
+# --- V --------------------------------------------------------------------------------------------------------------------
+
+
+def wall_seen(target, projection, viewer):
+    """A shiny wall, seen at once or in a mirror."""
+    lamp = {"kind": "point", "position": [1.0, 0, 2.0], "intensity": 1.0}
+    objects = [plane([0, 0, 0], [0, 0, 1], "wall"), plane([4, 0, 0], [-1, 0, 0], "mirror")]
+    materials = {"wall": {"specular": 1.0, "exponent": 4}, "mirror": {"reflection": 1.0}}
+    spec = scene(*objects, materials=materials, lights=[lamp], eye=[1.0, 0.5, 2], target=target)
+    spec["camera"] = {"eye": [1.0, 0.5, 2], "target": target, **projection}
+    spec["film"] = {"width": 2, "height": 2}
+    return Tracer(case_of(spec), rules=ShadingRules(viewer=viewer)).render()["radiance"][0, 0, 0]
+
+
+@pytest.mark.parametrize(
+    ("wrong", "projection"),
+    [
+        ("from-eye", {"projection": "orthographic", "height_m": 1.0}),
+        ("fixed", {"projection": "perspective", "fov_y_deg": 30}),
+    ],
+)
+def test_v_may_be_wrong_on_the_camera_s_own_surfaces_alone(wrong, projection):
+    for target, first in (([0.5, 0, 0], True), ([4, 0, 1.0], False)):
+        right, everywhere, here = (wall_seen(target, projection, viewer) for viewer in ("model", wrong, wrong + "-first"))
+        assert right != everywhere
+        assert here == (everywhere if first else right)
 
 
 # --- the path signature ---------------------------------------------------------------------------------------------------

@@ -67,6 +67,9 @@ RAYTRACED = [
     {"transmission_counted": False},
     {"nested_media": True},
     {"transparent_shadow": "opaque"},
+    {"transmitted_ray": "none"},
+    {"viewer": "fixed-first"},
+    {"viewer": "from-eye-first"},
 ]
 CASES = [(model, fields) for model in ("phong", "opengl", "raytraced") for fields in LOCAL]
 CASES += [("raytraced", fields) for fields in RAYTRACED]
