@@ -11,6 +11,7 @@ import numpy.typing as npt
 
 from equilux.diagnose.fit import fitted
 from equilux.diagnose.trials import Bench, Causes, Trial, changes_film, changes_values, ordered
+from equilux.diagnose.usual import is_usual
 from equilux_tracer.causes import Applied, Discrete, Rule, is_neutral
 
 Mask = npt.NDArray[np.bool_]
@@ -40,13 +41,13 @@ class Preference:
 
     def of(self, applied: Applied) -> Rank:
         """Sorts the preferred one first. A parameter that names a light or an order is worth less than none, and more than a
-        number, which can be fitted."""
+        number, which can be fitted; a usual number is believed more readily than another one."""
         rule = self.rules[applied.cause]
         readings = list(rule.readings)
         return (
             not self.declares(applied),
             applied.cause not in self.expected,
-            0 if applied.parameter is None else 1 if isinstance(applied.parameter, str) else 2,
+            0 if applied.parameter is None else 1 if isinstance(applied.parameter, str) else 2 if is_usual(applied) else 3,
             bool(applied.reading),
             GROUPS.index(rule.group) if rule.group in GROUPS else len(GROUPS),
             list(self.rules).index(applied.cause),

@@ -26,6 +26,11 @@ def usual(hypothesis: Applied) -> list[Applied]:
     return [applied for applied in USUAL.get(hypothesis.cause, ()) if applied.reading == hypothesis.reading]
 
 
+def is_usual(applied: Applied) -> bool:
+    """Whether the parameter is one of the usual values of its cause, in any reading."""
+    return any(known.parameter == applied.parameter for known in USUAL.get(applied.cause, ()))
+
+
 def all_usual(bench: Bench) -> list[Applied]:
     """Those of every cause that can change this case's picture."""
     found: list[Applied] = []

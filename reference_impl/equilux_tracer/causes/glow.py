@@ -6,8 +6,17 @@ from collections.abc import Mapping
 from typing import Any, ClassVar
 
 from equilux_scenes.case import Case
-from equilux_scenes.model import Material, Scene
-from equilux_tracer.causes.rewrite import BLACK, BandTriple, CheckedRule, is_lit, used_materials, with_materials, with_scene
+from equilux_scenes.model import LightColours, Material, Scene
+from equilux_tracer.causes.rewrite import (
+    BLACK,
+    BandTriple,
+    CheckedRule,
+    is_lit,
+    used_materials,
+    with_lights,
+    with_materials,
+    with_scene,
+)
 from equilux_tracer.causes.rule import Applied, Floats
 from equilux_tracer.causes.seen import emitters_seen
 from equilux_tracer.causes.tint import TINTS, tinted
@@ -30,16 +39,19 @@ class AmbientMissing(CheckedRule):
     readings: ClassVar[Mapping[str, str]] = {
         "": "the surfaces' ambient coefficient is 0",
         "global only": "the scene's ambient radiance is 0; that of lights counts",
+        "lights only": "the lights' ambient shares are 0; the scene's ambient radiance counts",
     }
 
     def touches(self, scene: Scene) -> bool:
         return _has_ambient(scene) and any(any(material.ambient) for material in used_materials(scene))
 
     def values(self, case: Case, reading: str) -> tuple[None, ...]:
-        global_alone = any(case.scene.ambient) and any(any(light.ambient) for light in case.scene.delta_lights.values())
-        return () if reading and not global_alone else (None,)
+        both = any(case.scene.ambient) and any(any(light.ambient) for light in case.scene.delta_lights.values())
+        return () if reading and not both else (None,)
 
     def change_case(self, case: Case, applied: Applied) -> Case:
+        if applied.reading == "lights only":
+            return with_lights(case, lambda _, light: {"ambient": BLACK} if isinstance(light, LightColours) else {})
         if applied.reading or case.scene.model != "opengl":
             return with_scene(case, ambient=BLACK)
         return with_materials(case, lambda _: {"ambient": BLACK})
