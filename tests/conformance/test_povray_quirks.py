@@ -219,6 +219,27 @@ def test_q36_the_eye_is_inside_a_mesh_only_with_an_inside_vector(tmp_path):
     assert seen["without"] == pytest.approx(0.5 * 0.25, abs=1e-5), "out through the first face"
 
 
+@pytest.mark.parametrize(("counted", "expected"), [(True, 0.5), (False, 0.0)], ids=["where counting says", "where the face says"])
+def test_q36_a_ray_mirrored_into_glass_by_an_interpolated_normal_enters_where_it_leaves(counted, expected, tmp_path):
+    """Seen 20° off the face, N 50° off it: the mirrored ray is inside, 60° off the face, and goes out by sin θ / ior."""
+    ior, tilt, view = 1.1, np.radians(50), np.radians(20)
+    n, d = np.array([np.sin(tilt), 0, np.cos(tilt)]), np.array([np.sin(view), 0, -np.cos(view)])
+    inside = d - 2 * (d @ n) * n
+    sine = inside[0] / ior if counted else inside[0] * ior
+    x = inside[0] / -inside[2] + sine / np.sqrt(1 - sine**2)
+    corners = [f"<{x}, {y}, {z}>" for z in (0, -1) for x, y in ((-50, -50), (50, -50), (50, 50), (-50, 50))]
+    faces = "<0,1,2> <0,2,3> <4,6,5> <4,7,6> <0,5,1> <0,4,5> <1,6,2> <1,5,6> <2,7,3> <2,6,7> <3,4,0> <3,7,4>".replace(" ", ", ")
+    # three equal normals would be shaded flat (Q21)
+    normals = [f"<{n[0]}, 2e-5, {n[2]}>", *[f"<{n[0]}, 0, {n[2]}>"] * 3, *["<0, 0, -1>"] * 4]
+    glass = (
+        f"mesh2 {{ vertex_vectors {{ 8, {', '.join(corners)} }} normal_vectors {{ 8, {', '.join(normals)} }} face_indices {{ 12, "
+        f"{faces} }} {layer('rgbf <1, 1, 1, 0.5>', 'ambient 0 diffuse 0 reflection 1')} interior {{ ior {ior} }} }}"
+    )
+    glow = f"disc {{ <{x}, 0, -2>, z, 0.01 {layer('rgb 1', 'ambient 0 diffuse 0 emission 1')} }}"
+    camera = CAMERA.replace("<0, 0, 3>", f"<{-3 * d[0]}, 0, {-3 * d[2]}>").replace("<0, 0, -1>", f"<{d[0]}, 0, {d[2]}>")
+    assert shown(tmp_path, glass + glow, camera=camera)[MIDDLE][0] == pytest.approx(expected, abs=1e-4)
+
+
 def test_q37_a_blocker_nearer_than_1e_3_casts_no_shadow(tmp_path):
     def lit(distance: float) -> float:
         blocker = f"disc {{ <0, 0, {distance}>, z, 9 pigment {{ rgb 0 }} finish {{ ambient 0 diffuse 0 }} no_image }}"
