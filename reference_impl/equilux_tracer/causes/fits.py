@@ -20,6 +20,8 @@ MOST_PIXELS = 600
 TINY = 1e-250
 """Powers below have no digits to be divided by."""
 GOLDEN = 0.381966
+INSENSITIVE = 1e-9
+"""Relative: a misfit that varies by less over the whole grid says nothing about the parameter."""
 
 Predict = Callable[[float], Floats]
 """A value of the parameter → the radiance that the chosen pixels would have, (n, 3)."""
@@ -48,6 +50,8 @@ def best_values(predict: Predict, measured: Floats, bound: Floats, grid: Iterabl
 
     values = np.array(sorted(grid), np.float64)
     losses = np.array([misfit(value) for value in values])
+    if np.ptp(losses) <= INSENSITIVE * losses.max(initial=0.0):
+        return []
     around = np.pad(losses, 1, constant_values=np.inf)
     minima: npt.NDArray[np.intp] = np.flatnonzero((losses <= around[:-2]) & (losses <= around[2:]))
     ranked = sorted(minima.tolist(), key=lambda i: float(losses[i]))[:count]

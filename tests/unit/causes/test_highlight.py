@@ -7,6 +7,7 @@ import math
 import numpy as np
 import pytest
 
+from equilux_scenes.loader import corpus_folder, load_scene_file
 from equilux_tracer import Tracer
 from support.faulty import assert_same, estimated, picture, tried, with_cause
 from support.random_scenes import case_of, changed
@@ -170,6 +171,13 @@ def test_parameters_of_lobes_are_found_in_model_opengl():
     case = case_of(changed(SPEC, model="opengl"))
     assert estimated(case, "exponent-clamped", 128.0)[0] == pytest.approx(128, rel=1e-6)
     assert estimated(case, "exponent-scaled", 2.2)[0] == pytest.approx(2.2, rel=1e-6)
+
+
+def test_where_no_highlight_of_light_in_front_tells_the_exponent_known_values_are_tried():
+    """What shines through a pane from behind is no lobe about R: its estimate must not be the grid's first value."""
+    (case,) = load_scene_file(corpus_folder() / "raytraced" / "transmitted-highlight.scene.yaml").cases
+    assert 16.0 in estimated(case, "exponent-clamped", 16.0)
+    assert 4.0 in estimated(case, "exponent-scaled", 4.0)
 
 
 def test_an_exponent_of_a_million_leaves_a_clamp_to_be_found():

@@ -207,7 +207,7 @@ def test_the_ambient_term_of_opengl_has_a_global_part_and_one_of_each_light():
     without = materials_by_hand(OPENGL, ambient=0)
     assert_same(with_cause(OPENGL_CASE, "ambient-missing"), picture(without))
     assert_same(with_cause(OPENGL_CASE, "ambient-missing", None, "global only"), picture(case_of(changed(OPENGL, ambient=0))))
-    of_lights = lights_by_hand(OPENGL, **dict.fromkeys(OPENGL["lights"], {"ambient": 0}))
+    of_lights = lights_by_hand(OPENGL, **{name: {"ambient": 0} for name in OPENGL["lights"]})
     assert_same(with_cause(OPENGL_CASE, "ambient-missing", None, "lights only"), picture(of_lights))
     assert len(tried(OPENGL_CASE, "ambient-missing")) == 3
     assert len(tried(CASE, "ambient-missing")) == 1
