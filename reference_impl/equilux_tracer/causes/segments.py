@@ -28,6 +28,8 @@ MOST_TRIANGLES = 500_000
 """In all trials together: about a second's work; each counts 500 more for what does not depend on them."""
 FOUND = 0.01
 """A trial that is wrong on no greater share of the pixels is the right one."""
+KEPT = 0.2
+"""Of an object that stayed curved, no greater share of the pixels diverges: by shadows and reflections of others."""
 WINDOW = 5.0
 """How far the picture's change may be from the plainest style's: other styles make a few times as much of it, or as little."""
 
@@ -106,7 +108,7 @@ def styles_worth_trying(shapes: Sequence[Object], normals: Sequence[Normals]) ->
     others = [style for style in balls if style not in likely]
     if rounds:
         slanted = any(np.count_nonzero(_axis(shape)) > 1 for shape in rounds)
-        turns = [replace(plain, start=start, turn=turn) for start, turn in product(_AXES if slanted else ("x",), _TURNS)]
+        turns = [replace(plain, start=start, turn=turn) for start, turn in product(_STARTS if slanted else ("x",), _TURNS)]
         others += [replace(turned, axis=axis) for axis in (_AXES[:2] if "sphere" in kinds else ("y",)) for turned in turns]
     for left_out, kept in ((("disc",), {"sphere", "cylinder"}), (("disc", "cylinder"), {"sphere"})):
         if kinds & kept and kinds & set(left_out) and not (len(left_out) > 1 and "cylinder" not in kinds):
@@ -118,6 +120,7 @@ def styles_worth_trying(shapes: Sequence[Object], normals: Sequence[Normals]) ->
 
 _ROWS: tuple[Literal["n/2", "n", "icosphere", "n-1", "n/2-1"], ...] = ("n/2", "n", "icosphere", "n-1", "n/2-1")
 _AXES: tuple[Literal["y", "z", "x"], ...] = ("y", "z", "x")
+_STARTS: tuple[Literal["across", "y", "z", "x"], ...] = ("across", "y", "z", "x")
 _TURNS: tuple[Literal["", "quarter", "half a step"], ...] = ("", "quarter", "half a step")
 
 
@@ -137,12 +140,15 @@ class _Trials:
         near_xy = _agreeing_nearby(evidence, diverging)
         near = (near_xy[:, 1].astype(int) * width) + near_xy[:, 0].astype(int)
         largest_bound = np.full((len(near), 3), evidence.bound.max())
-        self._film_xy = np.ascontiguousarray(np.concatenate([evidence.film_xy[diverging], near_xy]))
+        kept = _kept_round(evidence)
+        self._film_xy = np.ascontiguousarray(np.concatenate([evidence.film_xy[diverging], near_xy, evidence.film_xy[kept]]))
         picture = np.asarray(evidence.picture, np.float64).reshape(-1, 3)
-        self._measured = np.concatenate([evidence.measured[diverging], picture[near]])
-        self._bound = np.maximum(np.concatenate([evidence.bound[diverging], largest_bound]), 1e-300)
-        self._model = np.concatenate([evidence.model["radiance"][diverging], evidence.truth.reshape(-1, 3)[near]])
-        self._diverging = np.arange(len(self._film_xy)) < len(diverging)
+        self._measured = np.concatenate([evidence.measured[diverging], picture[near], evidence.measured[kept]])
+        bound = np.concatenate([evidence.bound[diverging], largest_bound, evidence.bound[kept]])
+        self._bound = np.maximum(bound, 1e-300)
+        model = evidence.model["radiance"]
+        self._model = np.concatenate([model[diverging], evidence.truth.reshape(-1, 3)[near], model[kept]])
+        self._parts = np.repeat([0, 1, 2], [len(diverging), len(near), len(kept)])
         self._off: dict[tuple[Style, int], float] = {}
         self._found = False
         self._left = MOST_TRIANGLES
@@ -193,14 +199,23 @@ class _Trials:
         off = np.nan_to_num((np.abs(self._measured - shown) / self._bound).max(axis=1), nan=1e9)
         self._off[style, count] = float(np.mean(np.log1p(off)))
         wrong = off > 1
-        parts = [part for part in (self._diverging, ~self._diverging) if part.any()]
-        self._found = self._found or all(wrong[part].mean() <= FOUND for part in parts)
+        self._found = self._found or all(wrong[self._parts == part].mean() <= FOUND for part in set(self._parts.tolist()))
         return self._change(shown)
 
     def _change(self, shown: Floats) -> float:
-        """Off silhouettes, where a pixel changes altogether or not at all: the lower quartile of what changes."""
-        change = np.abs(shown - self._model).max(axis=1)
+        """Off silhouettes, where a pixel changes altogether or not at all: the lower quartile of what changes where it should."""
+        change = np.abs(shown - self._model)[self._parts == 0].max(axis=1)
         return float(np.quantile(change[change > 0], 0.25)) if (change > 0).any() else 0.0
+
+
+def _kept_round(evidence: Evidence) -> npt.NDArray[np.intp]:
+    """Pixels that agree, on curved objects of which (almost) none diverges: those were left as they are."""
+    objects = evidence.case.scene.objects
+    curved = [index for index, obj in enumerate(objects) if isinstance(obj, Sphere | Cylinder | Disc)]
+    seen = np.asarray(evidence.model["object_id"])
+    kept = [index for index in curved if (seen == index).any() and evidence.diverging[seen == index].mean() < KEPT]
+    pixels = np.flatnonzero(np.isin(seen, kept) & ~evidence.diverging)
+    return pixels[:: len(pixels) // (MOST_PIXELS // 3) + 1]
 
 
 def _agreeing_nearby(evidence: Evidence, diverging: npt.NDArray[np.intp]) -> Floats:

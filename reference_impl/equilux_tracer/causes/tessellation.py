@@ -24,6 +24,7 @@ PARTS: Mapping[str, tuple[str, object, str]] = {
     "other diagonals": ("other_diagonals", True, "quadrilaterals are cut along the other diagonal"),
     "from y": ("start", "y", "cylinders and discs start on y"),
     "from z": ("start", "z", "cylinders and discs start on z"),
+    "from across": ("start", "across", "they start across the coordinate axis that is farthest from their own, and from it"),
     "turned": ("turn", "quarter", "they start a quarter turn on"),
     "half a step on": ("turn", "half a step", "they start half a segment on"),
     "discs round": ("left_out", ("disc",), "discs stay as they are"),
@@ -44,7 +45,7 @@ class Style:
     rows: Literal["n/2", "n", "n-1", "n/2-1", "icosphere"] = "n/2"
     axis: Literal["y", "z", "x"] = "y"
     other_diagonals: bool = False
-    start: Literal["x", "y", "z"] = "x"
+    start: Literal["x", "y", "z", "across"] = "x"
     turn: Literal["", "quarter", "half a step"] = ""
     left_out: tuple[str, ...] = ()
     normals: Literal["exact", "averaged", "averaged over edges", "flat"] = "exact"
@@ -146,11 +147,14 @@ def _icosphere(cuts: int) -> tuple[Floats, np.ndarray]:
 
 def _circle(axis: Floats, segments: int, style: Style) -> Floats:
     """(n, 3) unit vectors around an axis, counter-clockwise seen from its tip; the first one as near as can be to a coordinate
-    axis, or to the next one where that is the axis itself."""
+    axis, or to the next one where that is the axis itself; or at a right angle to the coordinate axis farthest from the axis."""
     w = axis / np.linalg.norm(axis)
-    first = "xyz".index(style.start)
-    start = np.eye(3)[first if abs(w[first]) < 0.9 else (first + 1) % 3]
-    u = start - w * (w @ start)
+    if style.start == "across":
+        u = np.cross(np.eye(3)[np.argmin(np.abs(w))], w)
+    else:
+        first = "xyz".index(style.start)
+        start = np.eye(3)[first if abs(w[first]) < 0.9 else (first + 1) % 3]
+        u = start - w * (w @ start)
     u /= np.linalg.norm(u)
     v = np.cross(w, u)
     if style.turn == "quarter":

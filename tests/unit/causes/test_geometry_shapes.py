@@ -7,6 +7,7 @@ import math
 import numpy as np
 import pytest
 
+from equilux_tracer import Tracer
 from equilux_tracer.causes import RULES, Applied
 from equilux_tracer.causes.mesh_normals import box_mesh, smooth
 from equilux_tracer.causes.tessellation import Style, tessellated_shape
@@ -108,7 +109,7 @@ def test_what_has_no_vertex_normals_and_is_not_curved_cannot_be_faceted():
 STYLES = [
     Style(), Style(rows="n", axis="z"), Style(rows="n-1", axis="x", other_diagonals=True), Style(rows="n/2-1"),
     Style(rows="icosphere"), Style(normals="averaged"), Style(turn="half a step", normals="flat"),
-    Style(start="z", turn="quarter"),
+    Style(start="z", turn="quarter"), Style(start="across"),
 ]  # fmt: skip
 
 
@@ -166,6 +167,21 @@ def test_number_and_style_of_triangles_are_found(cause, count, reading):
     start = "flat" if cause == "tessellated" and "flat" in reading else reading if cause == "faceted-normals" else ""
     found = RULES[cause].estimates(Applied(cause, None, start), evidence)[0]
     assert (found.parameter, found.reading) == (count, reading)
+
+
+TUBE = {"kind": "cylinder", "base": [-0.9, -0.8, 0.4], "top": [-0.3, -0.2, 0.8], "radius": 0.25, "material": "clay"}
+PLATE = {"kind": "disc", "center": [0.8, -0.6, 0.6], "normal": [0.2, 0.6, 1], "radius": 0.35, "material": "clay"}
+
+
+@pytest.mark.parametrize("reading", ["", "spheres only"])  # a disc's triangles show at its rim alone
+def test_shapes_that_stay_round_are_told_from_those_that_become_triangles(reading):
+    ball = {"kind": "sphere", "center": [0.3, 0.3, 0], "radius": 0.6, "material": "clay"}
+    case = lopsided(objects=[ball, TUBE, PLATE])
+    seen = Tracer(case).render(["object_id"])["object_id"]
+    assert {0, 1, 2} <= set(np.unique(seen)), "all are seen"
+    evidence = evidence_of(case, with_cause(case, "tessellated", 32, reading))
+    found = RULES["tessellated"].estimates(Applied("tessellated"), evidence)[0]
+    assert (found.parameter, found.reading) == (32, reading)
 
 
 def test_another_fault_is_not_taken_for_a_tessellation():
