@@ -127,7 +127,7 @@ def started(bench: Bench, causes: Causes, free: int) -> list[Trial]:
     values = [*usual(causes[free]), *values]  # first, since of values that make the same picture the first is taken
     if causes[free].parameter is not None:
         values.insert(0, causes[free])
-    trials = []
+    trials: list[Trial | None] = []
     for value in dict.fromkeys(values):
         if trials and bench.out_of_time:
             break

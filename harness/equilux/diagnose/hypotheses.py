@@ -106,6 +106,8 @@ def ranked_pairs(bench: Bench, singles: Sequence[Single], model: Trial) -> list[
     """
     evidence = bench.sample.evidence
     wrong = evidence.diverging
+    if len(singles) < 2:
+        return []
     effect = np.stack([one.trial.radiance - model.radiance for one in singles])[:, wrong]
     right = np.stack([one.trial.explains for one in singles])[:, wrong]
     touches = np.stack([one.touches for one in singles])[:, wrong]
@@ -120,7 +122,8 @@ def ranked_pairs(bench: Bench, singles: Sequence[Single], model: Trial) -> list[
         surely = right[first] | right[second] | summed
         both, either = touches[first] & touches[second], touches[first] | touches[second]
         perhaps = either if moves[first] or moves[second] else both
-        scored.append((-float(surely.sum() + 0.5 * (perhaps & ~surely).sum()), first, second))
+        score = surely.sum() + 0.5 * (perhaps & ~surely).sum()
+        scored.append((-float(score), first, second))
     out: list[Causes] = []
     for _, first, second in sorted(scored):
         out += both_orders(bench, singles[first].applied, singles[second].applied)

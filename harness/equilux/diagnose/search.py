@@ -36,12 +36,13 @@ ALIKE = 1e-3
 """Causes that account for as many of the diverging pixels as others, but for this share, explain alike."""
 EXCUSED, RESTATED = 0.3, 0.7
 """Share of the wrong ones that it may miss before edges are excused, and before geometric uncertainty is restated for it."""
-CHEAP_PAIRS, REFITTED = 800, 12
+CHEAP_PAIRS, USUAL_PAIRS, REFITTED = 400, 600, 12
 """Pairs that are tried as they stand; sets whose numbers are fitted to each other."""
 SEEDS = 6
 """Sets to which one more cause is added: so many with the fewest pixels missed, so many nearest."""
-COSTLY_BEFORE = 0.5
-"""Share of the time after which no more meshes are made: finding one's number of triangles takes seconds."""
+CHEAP_UNTIL, COSTLY_BEFORE = 0.5, 0.5
+"""Shares of the time after which no more pairs are tried as they stand, and no more meshes made: to find how many triangles one
+has takes seconds."""
 DECLARED_PROOFS = 4
 """Single causes that are proven beside a single declared one that explains alike."""
 PROMISING = 0.98
@@ -229,7 +230,7 @@ class Search:
         usual = [one.trial for one in self.singles if self.plausible(one.trial) and one.trial.causes not in self.tried]
         if usual:
             return usual
-        found = self._tried_all(ranked_pairs(self.bench, self.singles, model)[:CHEAP_PAIRS])
+        found = self._tried_all(self._cheap(ranked_pairs(self.bench, self.singles, model)), share=CHEAP_UNTIL)
         if any(self.plausible(trial) for trial in found):
             return found
         seeds = [one.trial for one in self.singles]
@@ -237,6 +238,16 @@ class Search:
         likely = list(dict.fromkeys(trial.causes for trial in [*best, *sorted(seeds, key=self._disorder)[:SEEDS]]))
         found += self._with_numbers(likely)
         return found if any(self.plausible(trial) for trial in found) else [*found, *self._refitted_all(found)]
+
+    def _cheap(self, ranked: Sequence[Causes]) -> list[Causes]:
+        """The likeliest; and a usual value with any plain cause without a number, since of two highlights wrong together neither
+        need look likely by itself."""
+        known = set(all_usual(self.bench))
+        plain = {one.applied for one in self.singles if not one.applied.reading and one.applied.parameter is None}
+        usual = [
+            causes for causes in ranked[CHEAP_PAIRS:] if not known.isdisjoint(causes) and all(a in plain | known for a in causes)
+        ]
+        return [*ranked[:CHEAP_PAIRS], *usual[:USUAL_PAIRS]]
 
     def _triples(self) -> list[Trial]:
         """The best pairs, each with every further cause, then with numbers fitted beside them."""
@@ -312,10 +323,11 @@ class Search:
         agreement = float(np.corrcoef(ranks[0], ranks[1])[0, 1]) if len(evidence.measured) > 2 else 0.0
         return -round(agreement, 3), trial.distance
 
-    def _tried_all(self, sets: Iterable[Causes]) -> list[Trial]:
-        out = []
+    def _tried_all(self, sets: Iterable[Causes], *, share: float = 1.0) -> list[Trial]:
+        """share: of the time that all may take, after which no more is tried."""
+        out: list[Trial] = []
         for causes in sets:
-            if self.bench.out_of_time:
+            if self.bench.out_of_time or self.bench.time_left_s < (1 - share) * self.bench.time_limit_s:
                 break
             trial = self.bench.trial(causes)
             if trial is not None:
