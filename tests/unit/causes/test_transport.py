@@ -384,6 +384,18 @@ def test_what_cannot_change_the_picture_is_not_tried(case, causes):
     assert {cause: tried(case, cause) for cause in causes} == {cause: [] for cause in causes}
 
 
+def test_v_of_the_camera_s_own_rays_is_tried_apart_where_it_is_wrong_and_others_differ():
+    own = (None, "camera rays only")
+    parallel = by_hand(camera={"projection": "orthographic", "eye": [0.4, 1.2, 3], "target": [0, 0, 0], "height_m": 2})
+    assert own in tried(CASE, "view-vector-fixed")
+    assert own not in tried(CASE, "view-vector-from-eye")
+    assert own in tried(parallel, "view-vector-from-eye")
+    assert own not in tried(parallel, "view-vector-fixed")
+    first = with_cause(parallel, "view-vector-from-eye", None, "camera rays only")
+    assert np.abs(first - with_cause(parallel, "view-vector-from-eye")).max() > 1e-6, "mirrors show it"
+    assert np.abs(first - picture(parallel)).max() > 1e-6
+
+
 def test_a_black_background_is_not_missed():
     readings = {reading for _, reading in tried(by_hand(background=0, ambient=0), "background-missing")}
     assert readings == {"another radiance"}
