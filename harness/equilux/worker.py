@@ -191,7 +191,9 @@ def checked_image(image: object, shape: tuple[int, int, int]) -> np.ndarray[Any,
     if not isinstance(image, np.ndarray):
         raise BadDelivery(f"read() returned an image of type {type(image).__name__}, {expected}")
     if image.dtype.newbyteorder("=") not in (np.dtype(np.float32), np.dtype(np.float64)) or image.shape != shape:
-        raise BadDelivery(f"read() returned an image of {image.dtype} and shape {image.shape}, {expected}")
+        exchanged = image.shape == (shape[1], shape[0], shape[2]) != shape
+        hint = ": rows and columns are exchanged (row 0 on top, then row by row)" if exchanged else ""
+        raise BadDelivery(f"read() returned an image of {image.dtype} and shape {image.shape}, {expected}{hint}")
     return np.ascontiguousarray(image, dtype=image.dtype.newbyteorder("="))
 
 
