@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from equilux.compare import AGREE, DIVERGE, INVALID, PairResult, RenderedImage, compare_pair
-from equilux.diagnose.bounds import ERROR_CHANNELS, PairBounds, error_of
+from equilux.diagnose.bounds import ERROR_CHANNELS, Floats, PairBounds, error_of
 from equilux.diagnose.evidence import centres
 from equilux.diagnose.trials import Causes, Workshop, shown_with_error
 from equilux.uncertainty import Uncertainty
@@ -115,6 +115,7 @@ class Court:
             self.workshop.refused[causes] = "the changed picture is not finite"
             return None
         bounds = PairBounds.of(self.side, self.truth, stated)
+        error = error + _magnified(changed, found["radiance"], bounds.own, film_xy)
         of_changed = bounds.of_changed(error.reshape(height, width, 3), self.truth.uncertainty.film_px)
         result = compare_pair(
             RenderedImage(self.side.adapter, self.side.image, stated, truth_rank=self.side.truth_rank),
@@ -123,3 +124,14 @@ class Court:
         )
         after = result.planes["class"]
         return Proof(causes, picture, self.scored.planes["class"], after, result.json["max_abs"], result)
+
+
+def _magnified(changed: ChangedTracer, radiance: Floats, own: Floats, film_xy: Floats) -> Floats:
+    """What the renderer's own error is more after its picture was encoded than before: a curve is steep in the dark, and a value
+    next to a step may have been rounded the other way. (n, 3); 0 where the picture is only scaled or moved.
+    """
+    here, doubled = changed.shown(radiance, film_xy), changed.shown(2 * radiance, film_xy)
+    if np.allclose(doubled, 2 * here, rtol=1e-9, atol=0):
+        return np.zeros_like(own)
+    _, encoded = shown_with_error(changed, radiance, own, film_xy)
+    return np.asarray(np.maximum(np.nan_to_num(encoded) - own, 0))
