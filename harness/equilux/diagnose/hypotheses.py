@@ -18,6 +18,14 @@ Mask = npt.NDArray[np.bool_]
 Rank = tuple[bool, bool, int, bool, int, int, int]
 GROUPS = ("image", "highlight", "light", "transport", "geometry")
 """Of a black picture a missing term is the plainest account; another geometry, the least plain."""
+CURVE_DIGITS = 4
+"""Characters of an exponent that somebody chose: 2.2, 1.75."""
+
+
+def _is_fitted(applied: Applied) -> bool:
+    """A number, or a curve's exponent of more digits than anybody chooses."""
+    value = applied.parameter
+    return not isinstance(value, str) or (len(value) > CURVE_DIGITS and value.replace(".", "").isdigit())
 
 
 @dataclass(frozen=True)
@@ -47,7 +55,7 @@ class Preference:
         return (
             not self.declares(applied),
             applied.cause not in self.expected,
-            0 if applied.parameter is None else 1 if isinstance(applied.parameter, str) else 2 if is_usual(applied) else 3,
+            0 if applied.parameter is None else 1 if not _is_fitted(applied) else 2 if is_usual(applied) else 3,
             bool(applied.reading),
             GROUPS.index(rule.group) if rule.group in GROUPS else len(GROUPS),
             list(self.rules).index(applied.cause),

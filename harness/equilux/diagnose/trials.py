@@ -20,6 +20,8 @@ from equilux_tracer.shading_rules import MODEL_RULES
 
 Causes = tuple[Applied, ...]
 
+CLOCK = 6
+"""Times as long as it may work, a diagnosis may take by the clock: the machine may be busy with others."""
 KEPT_TRACERS = 48
 """Tracers of changed scenes that are kept for what changes their picture."""
 QUICK_S = 20e-6
@@ -106,7 +108,7 @@ class Bench(Workshop):
     sample: Sample
     bounds: PairBounds
     time_limit_s: float = float("inf")
-    """After so many seconds of its own thread's work nothing new is tried: a busy machine must not change what is found. Three
+    """After so many seconds of its own thread's work nothing new is tried: a busy machine must not change what is found. `CLOCK`
     times as long by the clock is the limit in any case."""
     _started: tuple[float, float] = field(default_factory=lambda: (time.thread_time(), time.monotonic()))
     tried: int = 0
@@ -137,7 +139,7 @@ class Bench(Workshop):
 
     @property
     def out_of_time(self) -> bool:
-        return self._worked_s > self.time_limit_s or time.monotonic() - self._started[1] > 3 * self.time_limit_s
+        return self._worked_s > self.time_limit_s or time.monotonic() - self._started[1] > CLOCK * self.time_limit_s
 
     def trial(self, causes: Causes) -> Trial | None:
         """None where the hypothesis cannot be rendered."""
