@@ -13,6 +13,7 @@ import numpy.typing as npt
 
 from equilux.budget import Bound, Budget
 from equilux.compare import PairResult, RenderedImage, compare_pair, pair_bound
+from equilux.diagnosing import TIME_LIMIT_S
 from equilux.score import truth_of
 from equilux.uncertainty import stated
 from equilux_scenes.case import Case
@@ -41,8 +42,6 @@ SCENES_PER_MUTANT = 6
 ALMOST_ALL = 0.98
 """Share of the diverging pixels that the causes found must account for; what is left is then said to be unexplained, and is no
 other cause."""
-TIME_LIMIT_S = 120.0
-"""For one diagnosis; so high that it never decides what is found, whatever else the machine does."""
 
 
 @dataclass
