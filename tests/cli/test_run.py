@@ -74,7 +74,7 @@ def test_a_plan_renders_nothing_and_touches_nothing(tiny: Path, equilux, elsewhe
     lines = [line.split(None, 3) for line in said.out.splitlines()]
     assert ["tiny", "matte", "unsupported", "cannot express material.specular"] in lines
     assert ["tiny", "absent", "missing", "no such program: fake-renderer"] in lines
-    assert "1 cases, 2 of 4 renders would run" in said.out
+    assert "1 case, 2 of 4 renders would run" in said.out
     assert [path.name for path in elsewhere.iterdir()] == ["tiny.scene.yaml"]
 
 

@@ -9,7 +9,7 @@ from equilux.ci import words
 from equilux.ci.markdown import code, plain, table
 from equilux.ci.view import RunView, shown
 from equilux.explain.gather import gather
-from equilux.explain.numbers import BANDS, number, share, short
+from equilux.explain.numbers import BANDS, counted, number, share, short
 from equilux.explain.sentences import short_or_infinite
 from equilux.judge import FAILED
 from equilux.results import CaseRecord, PairRecord
@@ -78,7 +78,7 @@ def _opening(view: RunView) -> Iterator[str]:
     total = sum(renders.model_dump().values())
     pairs = sum(view.results.summary.pairs.model_dump().values())
     yield (
-        f"{view.results.summary.cases} cases, {total} renders ({renders.ok} ok, {view.results.summary.reused} reused), "
+        f"{counted(view.results.summary.cases, 'case')}, {total} renders ({renders.ok} ok, {view.results.summary.reused} reused), "
         f"{pairs} pairs; {view.results.run.seconds:.1f} s; exit code {view.results.summary.exit_code}"
     )
 

@@ -7,6 +7,7 @@ from collections import Counter
 from equilux.cli.inputs import table
 from equilux.diagnose.diagnosis import Found
 from equilux.explain.causes import name_of
+from equilux.explain.numbers import counted
 from equilux.judge import FAILED
 from equilux.results import CaseRecord, PairRecord, Results
 from equilux.trust import TRUTHS, trust_rank
@@ -88,7 +89,7 @@ def _counts(results: Results) -> str:
     total = sum(renders.model_dump().values())
     reused = f", {results.summary.reused} reused" if results.summary.reused else ""
     return (
-        f"{results.summary.cases} cases, {total} renders ({renders.ok} ok{reused}), pairs: {pairs.agree} agree, "
+        f"{counted(results.summary.cases, 'case')}, {total} renders ({renders.ok} ok{reused}), pairs: {pairs.agree} agree, "
         f"{pairs.diverge_expected} diverge as expected, {pairs.diverge_unexpected} unexpectedly, "
         f"{pairs.improved} expected but gone, {pairs.not_comparable} not comparable; {results.run.seconds:.1f} s\n"
     )

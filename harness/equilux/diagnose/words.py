@@ -67,8 +67,7 @@ def _value(rule: Rule, applied: Applied) -> str:
     known = recognised(applied)
     if unit and applied.cause == "quantised" and applied.parameter != 1:
         unit += "s"
-    tells_more = known is not None and known != shown and len(shown) > FEW_DIGITS
-    return shown + (unit if unit == "°" else f" {unit}" if unit else "") + (f" ({known})" if tells_more else "")
+    return shown + (unit if unit == "°" else f" {unit}" if unit else "") + (f" ({known})" if known is not None else "")
 
 
 def _shown(value: object, rule: Rule) -> str:
@@ -82,8 +81,10 @@ def _shown(value: object, rule: Rule) -> str:
 
 
 def recognised(applied: Applied) -> str | None:
-    """The name of the parameter's value, where it has one: "π", "255/256"."""
-    return name_of(applied.parameter) if isinstance(applied.parameter, float) else None
+    """The name of the parameter's value, where it has one that says more than its digits do: "π", "255/256"."""
+    if not isinstance(applied.parameter, float) or len(f"{applied.parameter:.7g}") <= FEW_DIGITS:
+        return None
+    return name_of(applied.parameter)
 
 
 def formula(rule: Rule, applied: Applied) -> tuple[str, str]:
