@@ -78,8 +78,8 @@ def _opening(view: RunView) -> Iterator[str]:
     total = sum(renders.model_dump().values())
     pairs = sum(view.results.summary.pairs.model_dump().values())
     yield (
-        f"{counted(view.results.summary.cases, 'case')}, {total} renders ({renders.ok} ok, {view.results.summary.reused} reused), "
-        f"{pairs} pairs; {view.results.run.seconds:.1f} s; exit code {view.results.summary.exit_code}"
+        f"{counted(view.results.summary.cases, 'case')}, {total} renders "
+        f"({renders.ok} ok, {view.results.summary.reused} reused), {pairs} pairs; {view.results.run.seconds:.1f} s; exit code {view.results.summary.exit_code}"
     )
 
 

@@ -11,7 +11,6 @@ from cyclopts import Parameter
 from equilux.cli import inputs, pinning
 from equilux.cli.inputs import shown
 from equilux.complaint import BadUsage
-from equilux.explain.numbers import counted
 
 if TYPE_CHECKING:
     from equilux.plan import Plan
@@ -169,7 +168,7 @@ def _show_plan(plan: Plan, *, as_json: bool) -> int:
     rows += [(render.case.name, render.adapter, render.action, render.reason or "") for render in plan.renders]
     sys.stdout.write(inputs.table(rows))
     running = sum(render.action == "run" for render in plan.renders)
-    sys.stdout.write(f"{counted(len(plan.cases), 'case')}, {running} of {len(plan.renders)} renders would run\n")
+    sys.stdout.write(f"{len(plan.cases)} case{'s' if len(plan.cases) != 1 else ''}, {running} of {len(plan.renders)} renders would run\n")
     return 0
 
 
