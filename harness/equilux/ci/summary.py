@@ -79,7 +79,8 @@ def _opening(view: RunView) -> Iterator[str]:
     pairs = sum(view.results.summary.pairs.model_dump().values())
     yield (
         f"{counted(view.results.summary.cases, 'case')}, {total} renders "
-        f"({renders.ok} ok, {view.results.summary.reused} reused), {pairs} pairs; {view.results.run.seconds:.1f} s; exit code {view.results.summary.exit_code}"
+        f"({renders.ok} ok, {view.results.summary.reused} reused), {pairs} pairs; "
+        f"{view.results.run.seconds:.1f} s; exit code {view.results.summary.exit_code}"
     )
 
 

@@ -168,7 +168,8 @@ def _show_plan(plan: Plan, *, as_json: bool) -> int:
     rows += [(render.case.name, render.adapter, render.action, render.reason or "") for render in plan.renders]
     sys.stdout.write(inputs.table(rows))
     running = sum(render.action == "run" for render in plan.renders)
-    sys.stdout.write(f"{len(plan.cases)} case{'s' if len(plan.cases) != 1 else ''}, {running} of {len(plan.renders)} renders would run\n")
+    cases = f"{len(plan.cases)} case{'s' if len(plan.cases) != 1 else ''}"
+    sys.stdout.write(f"{cases}, {running} of {len(plan.renders)} renders would run\n")
     return 0
 
 
