@@ -31,6 +31,8 @@ class ShadingRules:
     diffuse_two_sided: bool = False
     """|N·L| in place of max(0, N·L) in the diffuse term of light from in front and from behind alike (raytraced: of both L_1
     and L_2's local terms)."""
+    two_sided_behind: bool = True
+    """raytraced, with `diffuse_two_sided`: False: L_2 keeps to light from behind, only L_1 counts both."""
     highlight_two_sided: bool = False
     """Light from behind makes the highlight that it would make about −N: (−N·H)^p; R about −N is R about N."""
     highlight_ungated: bool = False
@@ -38,6 +40,8 @@ class ShadingRules:
     highlight_cosine: bool = False
     """The highlight is multiplied by max(0, N·L) (from behind, and with `highlight_ungated`: by |N·L|). One of brdf phong-cosine
     has its cosine already and gets no second one."""
+    cosine_behind: bool = True
+    """raytraced, with `highlight_cosine`: False: the highlight of light from behind is not multiplied."""
     specular_floor: float = 0.0
     """max(floor, R·V)^p (or N·H, T·V) in place of max(0, R·V)^p, wherever the gate is open."""
     transmitted_highlight: bool = True

@@ -80,7 +80,10 @@ struct LightShares {
 // |N·L| where light from behind counts, else max(0, N·L).
 inline double diffuse_share(const Formula& formula, double cosine) {
   const SideWeights& weights = formula.weights;
-  if (formula.rules.diffuse_two_sided) return std::fabs(cosine) * (weights.front + weights.behind);
+  if (formula.rules.diffuse_two_sided) {
+    const double behind = formula.rules.two_sided_behind ? std::fabs(cosine) : std::fmax(0, -cosine);
+    return std::fabs(cosine) * weights.front + behind * weights.behind;
+  }
   return cosine > 0 ? cosine * weights.front : -cosine * weights.behind;
 }
 
@@ -107,18 +110,17 @@ LightShares light_shares(const Formula& formula, double cosine, bool in_front, b
   shares.diffuse = diffuse_share(formula, cosine);
   if (!formula.specular) return shares;
   const bool about_back = behind && rules.highlight_two_sided;
-  double highlights = 0;
+  const double incidence = highlight_cosine(formula, cosine, behind);
   if (weights.front_highlight > 0 && (in_front || about_back || rules.highlight_ungated)) {
     const double mirrored = formula.even ? 1 : lobe(about_back ? -1.0 : 1.0);
     shares.highlit |= mirrored > 0;
-    highlights += weights.front_highlight * floored(formula, mirrored);
+    shares.specular += weights.front_highlight * floored(formula, mirrored) * incidence;
   }
   if (weights.behind_highlight > 0 && behind) {
     const double through = transmitted();
     shares.highlit |= through > 0;
-    highlights += weights.behind_highlight * floored(formula, through);
+    shares.specular += weights.behind_highlight * floored(formula, through) * (rules.cosine_behind ? incidence : 1);
   }
-  shares.specular = highlights * highlight_cosine(formula, cosine, behind);
   return shares;
 }
 

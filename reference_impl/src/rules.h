@@ -17,9 +17,11 @@ struct Rules {
   bool normals_reversed = false;
   bool half_vector = false;
   bool diffuse_two_sided = false;
+  bool two_sided_behind = true;
   bool highlight_two_sided = false;
   bool highlight_ungated = false;
   bool highlight_cosine = false;
+  bool cosine_behind = true;
   double specular_floor = 0;
   bool transmitted_highlight = true;
   bool highlight_weighted = true;

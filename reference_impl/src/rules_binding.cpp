@@ -101,9 +101,11 @@ void set_rules(Rules& rules, const nb::kwargs& given) {
   fields.read("normals_reversed", rules.normals_reversed);
   fields.read("half_vector", rules.half_vector);
   fields.read("diffuse_two_sided", rules.diffuse_two_sided);
+  fields.read("two_sided_behind", rules.two_sided_behind);
   fields.read("highlight_two_sided", rules.highlight_two_sided);
   fields.read("highlight_ungated", rules.highlight_ungated);
   fields.read("highlight_cosine", rules.highlight_cosine);
+  fields.read("cosine_behind", rules.cosine_behind);
   fields.read("specular_floor", rules.specular_floor);
   fields.read("transmitted_highlight", rules.transmitted_highlight);
   fields.read("highlight_weighted", rules.highlight_weighted);

@@ -66,16 +66,25 @@ class DiffuseTwoSided(CheckedRule):
     readings: ClassVar[Mapping[str, str]] = {
         "": "the diffuse term alone; the highlight keeps its gate",
         "highlight too": "the highlight too shows where N·L < 0, as light from in front would make it",
+        "in L_1 alone": "of transparent surfaces L_1 alone counts both sides; L_2 keeps to light from behind",
+        "in L_1 alone, highlight too": "N is turned to the light in L_1; L_2 is as it was",
     }
 
     def touches(self, scene: Scene) -> bool:
         return _has_diffuse(scene)
 
     def values(self, case: Case, reading: str) -> Sequence[None]:
-        return () if reading and not has_highlight(case.scene) else (None,)
+        without_highlight = "highlight" in reading and not has_highlight(case.scene)
+        without_behind = "L_1" in reading and not is_see_through(case.scene)
+        return () if without_highlight or without_behind else (None,)
 
     def change_shading(self, rules: ShadingRules, applied: Applied) -> ShadingRules:
-        return dataclasses.replace(rules, diffuse_two_sided=True, highlight_two_sided=bool(applied.reading))
+        return dataclasses.replace(
+            rules,
+            diffuse_two_sided=True,
+            two_sided_behind="L_1" not in applied.reading,
+            highlight_two_sided="highlight" in applied.reading,
+        )
 
 
 class HalfVector(_Highlight):
@@ -116,10 +125,13 @@ class HighlightCosine(_Highlight):
     formula = ("E K_spec max(0, R·V)^p", "E K_spec max(0, R·V)^p (N·L)")
     readings: ClassVar[Mapping[str, str]] = {
         "": "every highlight; in model reflection-equation every phong-classic is a phong-cosine",
+        "in front": "that of light from in front alone; the transmitted highlight of light from behind is as it was",
         "left out": "the other way round: reflection-equation's phong-cosine is drawn as phong-classic",
     }
 
     def values(self, case: Case, reading: str) -> Sequence[None]:
+        if reading == "in front":
+            return (None,) if is_see_through(case.scene) else ()
         return () if reading and case.scene.model != "reflection-equation" else (None,)
 
     def change_case(self, case: Case, applied: Applied) -> Case:
@@ -130,7 +142,9 @@ class HighlightCosine(_Highlight):
 
     def change_shading(self, rules: ShadingRules, applied: Applied) -> ShadingRules:
         # In model reflection-equation it is a change of the BRDF; the flag is for the kernels of the other models.
-        return rules if applied.reading else dataclasses.replace(rules, highlight_cosine=True)
+        if applied.reading == "left out":
+            return rules
+        return dataclasses.replace(rules, highlight_cosine=True, cosine_behind=not applied.reading)
 
 
 class HighlightTinted(_Highlight):

@@ -35,6 +35,9 @@ WEIGHTS = [
     ({"front_weighted": False, "behind_weighted": False}, (1, 1, 1, 1)),
     ({"diffuse_two_sided": True}, (1, 1 - T, 1, T)),
     ({"diffuse_two_sided": True, "front_weighted": False}, (1 + T, 1, 1 + T, T)),
+    ({"diffuse_two_sided": True, "two_sided_behind": False}, (1 - T, 1 - T, 1, T)),
+    ({"highlight_cosine": True}, (1 - T, 0.8 * (1 - T), T, 0.8 * T)),
+    ({"highlight_cosine": True, "cosine_behind": False}, (1 - T, 0.8 * (1 - T), T, T)),
     ({"highlight_two_sided": True}, (1 - T, 1 - T, T, T)),  # R about −N is R about N, and points away from V
 ]
 
