@@ -191,11 +191,7 @@ template <class F> void shade(Shading& shading, const SurfacePoint& point, std::
   const std::size_t deltas = world.lights.size(), lights = world.light_count(), first = i * lights;
   const bool reflects = material.diffuse.any() || specular_coefficient(material).any();
   if constexpr (F::channels) {
-    for (std::size_t k = 0; k < lights; ++k) {
-      if (out.light_ambient) write(out.light_ambient, first + k, Bands{});
-      if (out.diffuse) write(out.diffuse, first + k, Bands{});
-      if (out.specular) write(out.specular, first + k, Bands{});
-    }
+    for (std::size_t k = 0; k < lights; ++k) write_light(out, first + k, {}, {}, {});
   }
   if (reflects && F::ruled) {
     if constexpr (F::ruled) add_ruled_lights<F>(shading, point, material, first, signature, sums);
@@ -208,13 +204,9 @@ template <class F> void shade(Shading& shading, const SurfacePoint& point, std::
   }
   if (out.radiance) write(out.radiance, i, sums.radiance);
   if constexpr (F::channels) {
-    if (out.emission) write(out.emission, i, emission);
-    if (out.ambient) write(out.ambient, i, Bands{});
-    if (out.rounding) write(out.rounding, i, (sums.rounding + sums.radiance * (2 * static_cast<double>(lights) + 6)) * Rounding::unit);
+    const Bands error = (sums.rounding + sums.radiance * (2 * static_cast<double>(lights) + 6)) * Rounding::unit;
+    write_surface(world, point, out, i, emission, {}, error, signature);
     if (out.quadrature) write(out.quadrature, i, sums.quadrature);
-    if (out.signature) out.signature[i] = signature.value();
-    write_no_secondary(out, i);
-    write_geometry(world, point, out, i);
   }
 }
 

@@ -55,21 +55,15 @@ template <class F> void shade(const World& world, const SurfacePoint& point, con
 
     // 3. Channels
     if constexpr (F::channels) {
-      if (out.light_ambient) write(out.light_ambient, i * lights + k, Bands{});
-      if (out.diffuse) write(out.diffuse, i * lights + k, diffuse);
-      if (out.specular) write(out.specular, i * lights + k, specular);
+      write_light(out, i * lights + k, {}, diffuse, specular);
       rounding = rounding + rounding_of_light(world.lights[k], arriving, material);
       signature.add_light(in_front, arriving.in_cone, mirrored && material.exponent < 1);
     }
   }
   if (out.radiance) write(out.radiance, i, radiance);
   if constexpr (F::channels) {
-    if (out.emission) write(out.emission, i, material.emission);
-    if (out.ambient) write(out.ambient, i, ambient);
-    if (out.rounding) write(out.rounding, i, (rounding + radiance * (static_cast<double>(lights) + 3)) * Rounding::unit);
-    if (out.signature) out.signature[i] = signature.value();
-    write_no_secondary(out, i);
-    write_geometry(world, point, out, i);
+    const Bands error = (rounding + radiance * (static_cast<double>(lights) + 3)) * Rounding::unit;
+    write_surface(world, point, out, i, material.emission, ambient, error, signature);
   }
 }
 

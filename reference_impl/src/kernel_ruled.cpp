@@ -54,19 +54,13 @@ template <class F> void shade(const World& world, SurfacePoint point, const Outp
     }
     radiance = radiance + (ambient + diffuse + specular);
     if constexpr (F::channels) {
-      if (out.light_ambient) write(out.light_ambient, i * lights + k, ambient);
-      if (out.diffuse) write(out.diffuse, i * lights + k, diffuse);
-      if (out.specular) write(out.specular, i * lights + k, specular);
+      write_light(out, i * lights + k, ambient, diffuse, specular);
     }
   }
   if (out.radiance) write(out.radiance, i, radiance);
   if constexpr (F::channels) {
-    if (out.emission) write(out.emission, i, material.emission);
-    if (out.ambient) write(out.ambient, i, global);
-    if (out.rounding) write(out.rounding, i, (rounding + radiance * (3 * static_cast<double>(lights) + 4)) * Rounding::unit);
-    if (out.signature) out.signature[i] = signature.value();
-    write_no_secondary(out, i);
-    write_geometry(world, point, out, i);
+    const Bands error = (rounding + radiance * (3 * static_cast<double>(lights) + 4)) * Rounding::unit;
+    write_surface(world, point, out, i, material.emission, global, error, signature);
   }
 }
 

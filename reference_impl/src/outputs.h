@@ -17,6 +17,13 @@ inline void write(double* out, std::size_t index, const Bands& value) {
 
 inline void write(double* out, std::size_t index, const Vec3d& value) { write(out, index, Bands{value.x, value.y, value.z}); }
 
+// The terms of one light; index: sample × lights + light.
+inline void write_light(const Outputs& out, std::size_t index, const Bands& ambient, const Bands& diffuse, const Bands& specular) {
+  if (out.light_ambient) write(out.light_ambient, index, ambient);
+  if (out.diffuse) write(out.diffuse, index, diffuse);
+  if (out.specular) write(out.specular, index, specular);
+}
+
 // A miss shows the background, which is none of the terms.
 template <class F> void write_miss(const World& world, const Outputs& out, std::size_t i) {
   if (out.radiance) write(out.radiance, i, world.description.background);
@@ -24,11 +31,7 @@ template <class F> void write_miss(const World& world, const Outputs& out, std::
     const std::size_t lights = world.light_count();
     if (out.emission) write(out.emission, i, Bands{});
     if (out.ambient) write(out.ambient, i, Bands{});
-    for (std::size_t k = 0; k < lights; ++k) {
-      if (out.light_ambient) write(out.light_ambient, i * lights + k, Bands{});
-      if (out.diffuse) write(out.diffuse, i * lights + k, Bands{});
-      if (out.specular) write(out.specular, i * lights + k, Bands{});
-    }
+    for (std::size_t k = 0; k < lights; ++k) write_light(out, i * lights + k, {}, {}, {});
     if (out.reflected) write(out.reflected, i, Bands{});
     if (out.transmitted) write(out.transmitted, i, Bands{});
     if (out.rounding) write(out.rounding, i, Bands{});
@@ -42,17 +45,23 @@ template <class F> void write_miss(const World& world, const Outputs& out, std::
   }
 }
 
-// The local models mirror and let through nothing.
-inline void write_no_secondary(const Outputs& out, std::size_t i) {
-  if (out.reflected) write(out.reflected, i, Bands{});
-  if (out.transmitted) write(out.transmitted, i, Bands{});
-}
-
 inline void write_geometry(const World& world, const SurfacePoint& point, const Outputs& out, std::size_t i) {
   if (out.object_id) out.object_id[i] = point.object;
   if (out.depth) out.depth[i] = point.distance;
   if (out.normal) write(out.normal, i, to_double(point.normal));
   if (out.position) write(out.position, i, to_double(point.position + exactly(world.camera.eye)));
+}
+
+// All of a surface but its radiance and its lights, in the models that mirror and let through nothing. rounding: in W/(m²·sr).
+inline void write_surface(const World& world, const SurfacePoint& point, const Outputs& out, std::size_t i, const Bands& emission,
+                          const Bands& ambient, const Bands& rounding, const Signature& signature) {
+  if (out.emission) write(out.emission, i, emission);
+  if (out.ambient) write(out.ambient, i, ambient);
+  if (out.reflected) write(out.reflected, i, Bands{});
+  if (out.transmitted) write(out.transmitted, i, Bands{});
+  if (out.rounding) write(out.rounding, i, rounding);
+  if (out.signature) out.signature[i] = signature.value();
+  write_geometry(world, point, out, i);
 }
 
 }  // namespace equilux
