@@ -150,6 +150,8 @@ def _planned(
 
 
 def _show_plan(plan: Plan, *, as_json: bool) -> int:
+    from equilux.explain.numbers import counted
+
     if as_json:
         inputs.print_json(
             [
@@ -168,8 +170,7 @@ def _show_plan(plan: Plan, *, as_json: bool) -> int:
     rows += [(render.case.name, render.adapter, render.action, render.reason or "") for render in plan.renders]
     sys.stdout.write(inputs.table(rows))
     running = sum(render.action == "run" for render in plan.renders)
-    cases = f"{len(plan.cases)} case{'s' if len(plan.cases) != 1 else ''}"
-    sys.stdout.write(f"{cases}, {running} of {len(plan.renders)} renders would run\n")
+    sys.stdout.write(f"{counted(len(plan.cases), 'case')}, {running} of {len(plan.renders)} renders would run\n")
     return 0
 
 

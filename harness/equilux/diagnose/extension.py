@@ -11,7 +11,7 @@ import numpy as np
 
 from equilux.diagnose.bounds import PairBounds
 from equilux.diagnose.evidence import gather
-from equilux.diagnose.finding import Finding
+from equilux.diagnose.finding import MOST_CAUSES, Finding
 from equilux.diagnose.fit import fitted
 from equilux.diagnose.hypotheses import every_hypothesis
 from equilux.diagnose.proof import Proof
@@ -24,7 +24,6 @@ FEWEST = 4
 """Pixels that must be left: of fewer any cause with a number could take some along."""
 SHARE = 0.5
 """Of what is left, a further cause must account for this much."""
-MOST_CAUSES = 3
 
 
 def extended(search: Search, finding: Finding) -> Finding:

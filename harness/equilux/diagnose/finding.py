@@ -7,6 +7,9 @@ from dataclasses import dataclass
 from equilux.diagnose.proof import Proof
 from equilux.diagnose.trials import Causes
 
+MOST_CAUSES = 3
+"""In one set: with more, numbers to be fitted explain anything."""
+
 
 @dataclass(eq=False)
 class Finding:

@@ -17,7 +17,7 @@ from equilux.diagnose import scales
 from equilux.diagnose.bounds import Floats
 from equilux.diagnose.trials import Bench, Causes, Trial
 from equilux.diagnose.usual import usual
-from equilux_tracer.causes import Applied, Continuous, Rule, Vector
+from equilux_tracer.causes import Applied, Continuous, Vector
 
 STEPS = 12
 """Steps of a refinement at most; a smooth parameter has converged after four to six."""
@@ -64,11 +64,6 @@ class Knob:
         if isinstance(self.within, Vector):
             return 100 * self.within.step
         return self.inner(self.high) - self.inner(self.low)
-
-
-def is_fitted(rule: Rule) -> bool:
-    """Whether the rule has numbers to be found."""
-    return isinstance(rule.parameter, Continuous | Vector)
 
 
 def knobs_of(causes: Causes, bench: Bench, fixed: Sequence[int] = ()) -> list[Knob]:

@@ -15,7 +15,7 @@ from equilux.diagnose.catalogue import all_rules
 from equilux.diagnose.diagnosis import Diagnosis
 from equilux.diagnose.evidence import SLOW_S, gather
 from equilux.diagnose.extension import extended
-from equilux.diagnose.finding import Finding
+from equilux.diagnose.finding import MOST_CAUSES, Finding
 from equilux.diagnose.fit import fitted, knobs_of, refine, rounded, started
 from equilux.diagnose.hypotheses import Preference, Single, both_orders, every_hypothesis, is_costly, ranked_pairs, single
 from equilux.diagnose.proof import Court, Proof, Restate
@@ -27,7 +27,6 @@ from equilux_scenes.case import Case
 from equilux_tracer import Tracer
 from equilux_tracer.causes import Applied, Rule
 
-MOST_CAUSES = 3
 PROOFS = 16
 """Hypotheses of one size that are proven in full, at most."""
 PLAUSIBLE = 0.05
@@ -52,15 +51,6 @@ PARTIAL = 0.1
 a wrong cause with a fitted parameter hits some by chance."""
 
 
-@dataclass(frozen=True, eq=False)
-class Diagnosed:
-    """A diagnosis, and the pictures it rests on (none where nothing was proven). without: by cause, what is left out."""
-
-    diagnosis: Diagnosis
-    proof: Proof | None = None
-    without: tuple[Proof | None, ...] = ()
-
-
 def diagnose(
     case: Case,
     side: RenderedImage,
@@ -80,30 +70,12 @@ def diagnose(
     of causes that the scene expects of it. time_limit_s: after so many seconds of work no new hypothesis is begun. Pixels that
     are not finite are no evidence; a picture of another size has no diagnosis.
     """
-    return diagnose_in_full(
-        case, side, truth, scored, restate=restate, dialect=dialect, expected=expected, rules=rules, time_limit_s=time_limit_s
-    ).diagnosis
-
-
-def diagnose_in_full(
-    case: Case,
-    side: RenderedImage,
-    truth: RenderedImage,
-    scored: PairResult,
-    *,
-    restate: Restate | None,
-    dialect: Sequence[Applied] = (),
-    expected: Sequence[str] = (),
-    rules: Mapping[str, Rule] | None = None,
-    time_limit_s: float = 20,
-) -> Diagnosed:
-    """The same with the pictures under the causes, for pairs with peers (`peers.explain_pair`)."""
     started = time.monotonic()
     rules = all_rules() if rules is None else rules
     model = Tracer(case)
     sample = gather(case, side, truth, scored, model) if scored.planes else None
     if sample is None:
-        return Diagnosed(Diagnosis(adapter=side.adapter, diverging=0, explained=0.0, seconds=time.monotonic() - started))
+        return Diagnosis(adapter=side.adapter, diverging=0, explained=0.0, seconds=time.monotonic() - started)
     bounds = PairBounds.of(side, truth)
     bench = Bench(case=case, rules=rules, model=model, sample=sample, bounds=bounds, time_limit_s=time_limit_s)
     bench.tilts = Tilts.of(side.uncertainty, len(case.scene.objects)) if restate is not None else None
@@ -111,13 +83,8 @@ def diagnose_in_full(
     preference = Preference(rules, tuple(dialect), tuple(expected))
     search = Search(bench, Court(bench, side, truth, scored, restate), preference)
     found = search.run()
-    diagnosed = report.reported(search, found, side)
     seconds = round(time.monotonic() - started, 3)
-    return Diagnosed(
-        diagnosed.model_copy(update={"tried": bench.tried, "seconds": seconds}),
-        found.proof if found is not None else None,
-        found.without if found is not None else (),
-    )
+    return report.reported(search, found, side).model_copy(update={"tried": bench.tried, "seconds": seconds})
 
 
 @dataclass(eq=False)
@@ -470,4 +437,4 @@ def _by_badness(trial: Trial) -> tuple[int, float]:
     return trial.badness
 
 
-__all__ = ["Diagnosed", "Finding", "Search", "diagnose", "diagnose_in_full"]
+__all__ = ["Finding", "Search", "diagnose"]

@@ -16,7 +16,6 @@ Which = Literal["materials", "lights"]
 
 OF_MATERIALS = ("diffuse", "specular", "ambient", "emission", "reflection", "transmission")
 OF_LIGHTS = ("intensity", "irradiance", "radiance", "ambient", "diffuse", "specular")
-OF_THE_SCENE = ("ambient", "background")
 
 
 def with_materials(case: Case, keys: Collection[str], change: Callable[[Bands], Bands]) -> Case:
