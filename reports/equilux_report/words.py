@@ -27,6 +27,16 @@ FINDING = {
 }
 """What a render is found to do, gravest first."""
 
+FINDING_MEANS = {
+    "unexplained": "departs from the model, and no named cause accounts for it",
+    "implementation-bug": "departs from what it declares, by rules of the renderer's own",
+    "translation-bug": "departs by what is more likely a fault of the translation to it",
+    "model-difference": "departs from the scene's model exactly as its adapter declares",
+    "as-modelled": "agrees with the truth",
+}
+
+EXPECTATION = {"held": "holds", "gone": "no longer holds", "open": "could not be judged"}
+
 STATUS = {
     "ok": "rendered",
     "invalid": "invalid pixels",

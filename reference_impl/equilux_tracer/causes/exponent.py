@@ -44,6 +44,8 @@ class ExponentClamped(CheckedRule):
 
     def estimates(self, hypothesis: Applied, evidence: Evidence) -> Sequence[Applied]:
         largest = _exponents(evidence.case.scene)[-1]
+        if largest <= self.parameter.low:  # under other causes nothing may be left to clamp
+            return []
         lobes = Lobes(evidence)
         grid = np.geomspace(max(self.parameter.low, 1e-4 * largest), largest * 0.999, 60)
         best = lobes.best(lambda most: lobes.predicted(np.minimum(lobes.exponent, most)), grid)

@@ -122,6 +122,8 @@ class SpotExponentClamped(_Spot):
 
     def estimates(self, hypothesis: Applied, evidence: Evidence) -> Sequence[Applied]:
         largest = max(spot.exponent for spot in spots(evidence.case.scene))
+        if largest <= self.parameter.low:  # under other causes nothing may be left to clamp
+            return []
         cones = Cones(evidence)
         grid = np.geomspace(max(self.parameter.low, 1e-4 * largest), largest * 0.999, 60)
         best = cones.best(lambda most: cones.predicted(lambda exponent: min(exponent, most)), grid)
