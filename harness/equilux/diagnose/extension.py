@@ -45,8 +45,9 @@ def _with_one_more(search: Search, proof: Proof) -> Proof | None:
         return None
     bounds = PairBounds.of(court.side, court.truth)
     here = Bench(
-        case=bench.case, rules=bench.rules, model=bench.model, sample=sample, bounds=bounds, time_limit_s=bench.time_left_s
-    )
+        case=bench.case, rules=bench.rules, model=bench.model, refused=bench.refused, sample=sample, bounds=bounds,
+        time_limit_s=bench.time_left_s,
+    )  # fmt: skip
     ids = {applied.cause for applied in proof.causes}
     wrong = int(sample.diverging.sum())
     worth = []

@@ -94,8 +94,11 @@ def _unexplained(search: Search, finding: Finding | None, left: Mask, regions: R
     diverging = int((search.court.scored.planes["class"] == DIVERGE).sum())
     stays = left & (search.court.scored.planes["class"] == DIVERGE)
     terms = correlations(search.bench, side, finding.proof if finding is not None else None, left)
+    untried = words.of_refusals(search.bench.refused)
+    if search.bench.out_of_time:
+        untried.append(f"the search ended after {search.bench.time_limit_s:g} s, before every hypothesis was tried")
     return Found(
         id="unexplained", explained=int(stays.sum()) / diverging, side=side.adapter,
         residual_max_abs=finding.proof.residual_max_abs if finding is not None else search.court.scored.json["max_abs"],
-        words=words.of_unexplained(int(left.sum()), diverging, terms), region=regions.region(left), terms=terms,
+        words=words.of_unexplained(int(left.sum()), diverging, terms, untried), region=regions.region(left), terms=terms,
     )  # fmt: skip

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections import Counter
+from collections.abc import Mapping, Sequence
 
 from equilux.diagnose.scales import recognised as name_of
+from equilux.diagnose.trials import Causes
 from equilux_scenes.causes import CAUSES
 from equilux_tracer.causes import Applied, Rule, Vector
 
@@ -12,6 +14,7 @@ TOLD = 0.5
 """A correlation below says nothing worth a word."""
 FEW_DIGITS = 6
 """A number no longer than this (0.5, 0.0625) needs no name (1/2, 1/16)."""
+MOST_REFUSALS = 3
 
 
 SAID: Mapping[str, str] = {
@@ -94,10 +97,21 @@ def formula(rule: Rule, applied: Applied) -> tuple[str, str]:
     return (before, reading or after)
 
 
-def of_unexplained(left: int, diverging: int, terms: Mapping[str, float]) -> str:
-    """What is left, and what it goes with."""
+def of_unexplained(left: int, diverging: int, terms: Mapping[str, float], untried: Sequence[str] = ()) -> str:
+    """What is left, what it goes with, and what could not be tried."""
     text = f"{left} of {diverging} diverging pixels are not accounted for"
     strongest = next(iter(terms.items()), None)
     if strongest is not None and abs(strongest[1]) >= TOLD:
         text += f"; the remaining difference follows the term {strongest[0]} (correlation {strongest[1]:+.2f})"
-    return text
+    return "; ".join([text, *untried])
+
+
+def of_refusals(refused: Mapping[Causes, str]) -> list[str]:
+    """One line for each way in which hypotheses could not be tried: "acme:gloss could not be tried 12 times (ValueError: …)"."""
+    counts = Counter((" + ".join(applied.cause for applied in causes), why) for causes, why in refused.items())
+    shown = [
+        f"{ids} could not be tried{f' {times} times' if times > 1 else ''} ({why})"
+        for (ids, why), times in counts.most_common(MOST_REFUSALS)
+    ]
+    rest = len(counts) - len(shown)
+    return [*shown, f"{rest} more could not be tried"] if rest else shown

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -11,8 +12,9 @@ import pytest
 from equilux.compare import compare_pair
 from equilux.diagnose.diagnosis import Diagnosis
 from equilux.diagnose.search import diagnose
+from equilux_scenes.case import Case
 from equilux_tracer import Tracer
-from equilux_tracer.causes import Applied
+from equilux_tracer.causes import Applied, Rule
 from support.faults import RULES, Faulty, faulty, two_balls
 
 
@@ -114,6 +116,26 @@ def test_what_no_rule_does_is_unexplained_with_its_term_and_region() -> None:
     assert next(iter(cause.terms)) == "specular key", cause.terms
     assert cause.region is not None
     assert "objects[0] (sphere, clay)" in cause.region.words
+
+
+def test_a_rule_that_cannot_be_tried_is_told_where_something_stays_unexplained() -> None:
+    class Raising(Rule):
+        """What a third party may write."""
+
+        id = "acme:gloss"
+        group = "highlight"
+        formula = ("gloss", "no gloss")
+
+        def hypotheses(self, case: Case) -> Sequence[Applied]:
+            raise ValueError("no gloss here")
+
+    case = two_balls()
+    channels = Tracer(case).render(("radiance", "specular"))
+    unknown = faulty(case, picture=channels["radiance"] + 0.3 * np.sqrt(channels["specular"][:, :, 0]))
+    rules = {**RULES, "acme:gloss": Raising()}
+    (left,) = diagnose(unknown.case, unknown.side, unknown.truth, unknown.scored, restate=None, rules=rules).causes
+    assert left.id == "unexplained"
+    assert "acme:gloss could not be tried (hypotheses: ValueError: no gloss here)" in left.words
 
 
 def test_a_cause_that_explains_a_part_is_named_beside_the_unexplained_rest() -> None:
