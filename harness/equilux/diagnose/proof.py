@@ -23,6 +23,9 @@ ACCEPTED = 0.99
 """Share of the diverging pixels that must come within uncertainty. Not all: a gate, a cone or a total reflection that the
 change moves can pass between two pictures' last digits at single pixels, where no edge is declared; and a fitted parameter has an
 uncertainty of its own. A cause that is wrong misses far more."""
+TELLING = 0.5
+"""Share of the explained pixels at which the change's own uncertainty must be smaller than the difference it explains. A curve
+or a factor of 1e5 can make a reference so uncertain in the dark that every picture agrees with it."""
 BROKEN_SHARE, BROKEN_FEW = 0.01, 2
 """Pixels that agreed and no longer do: at most this share of those explained, or this few."""
 
@@ -92,7 +95,7 @@ class Court:
         self._known: dict[Causes, Proof | None] = {}
 
     def proof(self, causes: Causes) -> Proof | None:
-        """None where the hypothesis cannot be rendered."""
+        """None where the hypothesis cannot be rendered, or is so uncertain that it says nothing."""
         if causes not in self._known:
             self._known[causes] = self._proved(causes)
         return self._known[causes]
@@ -122,8 +125,14 @@ class Court:
             RenderedImage(self.truth.adapter, picture, of_changed, truth_rank=self.truth.truth_rank),
             changed,
         )
-        after = result.planes["class"]
-        return Proof(causes, picture, self.scored.planes["class"], after, result.json["max_abs"], result)
+        proof = Proof(causes, picture, self.scored.planes["class"], result.planes["class"], result.json["max_abs"], result)
+        return proof if self._is_telling(proof, bounds.at(np.arange(height * width), radiance, error)) else None
+
+    def _is_telling(self, proof: Proof, bound: Floats) -> bool:
+        mended = proof.mended.reshape(-1)
+        seen, true = (np.asarray(image, np.float64).reshape(-1, 3)[mended] for image in (self.side.image, self.truth.image))
+        telling: Mask = (np.abs(seen - true) > bound[mended]).any(axis=1)
+        return bool(telling.sum() >= TELLING * telling.size)
 
 
 def _magnified(changed: ChangedTracer, radiance: Floats, own: Floats, film_xy: Floats) -> Floats:

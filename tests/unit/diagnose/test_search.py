@@ -118,6 +118,15 @@ def test_what_no_rule_does_is_unexplained_with_its_term_and_region() -> None:
     assert "objects[0] (sphere, clay)" in cause.region.words
 
 
+def test_noise_is_unexplained() -> None:
+    """Not a curve and a factor of 1e5, under which the reference is so uncertain in the dark that it agrees with everything."""
+    case = two_balls()
+    truth = Tracer(case).render()["radiance"]
+    noise = np.random.default_rng(1).standard_normal(truth.shape)
+    found = diagnosed(faulty(case, picture=np.maximum(truth + 0.01 * truth.max() * noise, 0)))
+    assert [cause.id for cause in found.causes] == ["unexplained"], found
+
+
 def test_a_rule_that_cannot_be_tried_is_told_where_something_stays_unexplained() -> None:
     class Raising(Rule):
         """What a third party may write."""
