@@ -1,5 +1,6 @@
 # make report   set up what is missing, run the shipped corpus through every renderer, print the report's path
 # make test     set up what is missing, run the whole test suite
+# make bench    how fast everything is, beside what bounds it; writes build/bench.json
 # make mutation renderers with known faults: are they found, and named? Rewrites docs/mutation.md
 .PHONY: setup report test mutation lint bench lock clean
 
@@ -15,7 +16,7 @@ test:
 	@.ci/setup --browser
 	@$(PYTHON) -m ruff check .
 	@$(PYTHON) -m mypy
-	@$(PYTHON) -m pytest -q -n 2 --dist loadgroup --ignore=tests/bench
+	@$(PYTHON) -m pytest -q -n 2 --dist loadgroup
 
 # About half an hour on two cores; exits 1 where a demand is not met.
 mutation: setup
@@ -27,7 +28,7 @@ lint: setup
 	$(PYTHON) -m mypy
 
 bench: setup
-	@$(PYTHON) -m pytest -q tests/bench
+	@$(PYTHON) -m bench
 
 # Rewrites the locks: every version pinned by hash, no address of any registry.
 lock: setup

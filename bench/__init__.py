@@ -1,0 +1,1 @@
+"""How fast equilux is, beside what bounds it: measurements, written to build/bench.json. Never installed."""
