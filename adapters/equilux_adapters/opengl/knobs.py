@@ -15,12 +15,12 @@ class OpenGLKnobs(Knobs):
         ge=0.05,
         le=1000,
         description="longest side of a triangle on the film, pixels; the interpolation's error goes with its square",
-        json_schema_extra={"faster": "larger"},
+        json_schema_extra={"faster": "larger", "steps": [16.0, 8.0, 4.0, 2.0, 1.0, 0.5]},
     )
     tessellation: int = Field(
         default=256,
         ge=8,
         le=2048,
         description="at least so many facets around a sphere or a cylinder; likewise for every bend of a smooth mesh by 360°",
-        json_schema_extra={"faster": "smaller"},
+        json_schema_extra={"faster": "smaller", "steps": [32, 64, 128, 256, 512]},
     )

@@ -60,7 +60,8 @@ def describe(entry: Entry) -> dict[str, Any]:
         }
     except Exception as problem:
         error = f"capabilities() raised {last_line(problem)}"
-    knobs = entry.adapter.Knobs.model_json_schema().get("properties", {}) if entry.adapter is not None else {}
+    schemas = entry.adapter.Knobs.model_json_schema().get("properties", {}) if entry.adapter is not None else {}
+    knobs = {name: schema | {"allowed": _allowed(schema)} for name, schema in schemas.items()}
     return {
         "name": entry.name,
         "version": entry.version,
@@ -97,4 +98,33 @@ def _details(found: dict[str, Any]) -> str:
         lines.append(f"  lacks {', '.join(lacking)}")
     for name, knob in found["knobs"].items():
         lines.append(f"  --set {found['name']}.{name}={knob.get('default')}  {knob.get('description', '')}".rstrip())
+        lines.append(f"      {_trade(knob)}".rstrip())
     return "".join(f"{line}\n" for line in lines)
+
+
+def _trade(knob: dict[str, Any]) -> str:
+    """What a knob may be set to, which way is faster, and the steps that are worth trying, the fastest first."""
+    parts = [f"allowed {knob['allowed']}"] if knob["allowed"] else []
+    if "faster" in knob:
+        faster = knob["faster"]
+        parts.append(f"faster {_listed(faster) if isinstance(faster, list) else faster}")
+    if "steps" in knob:
+        parts.append(f"steps {_listed(knob['steps'])}")
+    return "; ".join(parts)
+
+
+def _listed(values: Any) -> str:
+    return ", ".join(f"{value:g}" if isinstance(value, float) else str(value) for value in values)
+
+
+def _allowed(schema: dict[str, Any]) -> str:
+    """The values that a knob takes, from its JSON schema: `8 … 4096`, `png16 | exr`, `scene | 1 … 256`; "" where all are."""
+    if "anyOf" in schema:
+        return " | ".join(part for part in map(_allowed, schema["anyOf"]) if part)
+    if "enum" in schema or "const" in schema:
+        return " | ".join(str(value) for value in schema.get("enum", [schema.get("const")]))
+    low, above = schema.get("minimum"), schema.get("exclusiveMinimum")
+    high, below = schema.get("maximum"), schema.get("exclusiveMaximum")
+    start = f"{low:g}" if low is not None else f"> {above:g}" if above is not None else ""
+    end = f"{high:g}" if high is not None else f"< {below:g}" if below is not None else ""
+    return f"{start} … {end}".strip() if start or end else ""
