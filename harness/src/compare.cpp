@@ -3,25 +3,19 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <limits>
 #include <stdexcept>
 
+#include "block.h"
+#include "histograms.h"
 #include "parallel.h"
+#include "percentiles.h"
+#include "plain_block.h"
 #include "select.h"
+#include "widen.h"
 
 namespace equilux {
 namespace {
 
-// Sums are taken over eight lanes in blocks and the blocks added pairwise, in an order that the number of threads cannot change: the
-// error of a sum over n values is about (32 + log2 n) rounding steps of Σ|x|. Loops over lanes are what a compiler turns into SIMD
-// without being allowed to reorder anything.
-constexpr std::size_t kLanes = 8;
-constexpr std::size_t kBlockPixels = 64;
-constexpr std::size_t kBlockValues = 3 * kBlockPixels;
-constexpr std::size_t kChunkBlocks = 64;
-constexpr std::size_t kChunkPixels = kBlockPixels * kChunkBlocks;
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kLargest = std::numeric_limits<double>::max();
 
 /// One block, widened to double. Values beyond `values` up to the next multiple of kLanes are zeros, which change no result.
 struct Block {
@@ -35,16 +29,6 @@ struct Block {
   std::uint32_t pixel[kBlockValues];                // which pixel a value belongs to, once some are left out (`leave_out`)
   std::size_t padded() const { return (values + kLanes - 1) / kLanes * kLanes; }
 };
-
-void load(const Side& side, std::size_t first, std::size_t count, double* out) {
-  if (side.is_double) {
-    const double* in = static_cast<const double*>(side.image) + first;
-    for (std::size_t i = 0; i < count; ++i) out[i] = in[i];
-  } else {
-    const float* in = static_cast<const float*>(side.image) + first;
-    for (std::size_t i = 0; i < count; ++i) out[i] = in[i];
-  }
-}
 
 void hard_bound(const Side& side, std::size_t first, std::size_t count, const double* radiance, double* out) {
   for (std::size_t i = 0; i < count; ++i) out[i] = side.abs + side.rel * std::fabs(radiance[i]);
@@ -70,8 +54,8 @@ void fill(const Job& job, std::size_t first_pixel, Block& block) {
   block.pixels = std::min(kBlockPixels, job.pixels - first_pixel);
   block.values = 3 * block.pixels;
   const std::size_t first = 3 * first_pixel, count = block.values;
-  load(job.a, first, count, block.a);
-  load(job.b, first, count, block.b);
+  widen(job.a, first, count, block.a);
+  widen(job.b, first, count, block.b);
   hard_bound(job.a, first, count, block.a, block.own_a);
   hard_bound(job.b, first, count, block.b, block.own_b);
   for (std::size_t i = 0; i < count; ++i) block.bound[i] = block.own_a[i] + block.own_b[i];
@@ -126,13 +110,14 @@ bool count_kinds(const double* radiance, const double* own, InvalidKinds& kinds)
   return nan || plus || minus || negative;
 }
 
-/// What one thread gathers: only integers, which add up alike in any order.
+/// What one thread gathers: only integers, which add up alike in any order; max_rel is but what is worth a division (`sweep`).
 struct Tally {
+  explicit Tally(std::span<const double> en_edges) : histograms(en_edges) {}
   std::array<std::uint64_t, 4> counts{};
   InvalidKinds invalid_a, invalid_b;
   std::uint64_t zeros = 0, scored = 0, en_infinite = 0;
-  std::vector<std::uint32_t> magnitudes = std::vector<std::uint32_t>(kBuckets);  // of |a − b|
-  std::vector<std::uint64_t> en_counts;
+  Histograms histograms;
+  double max_rel = -1;
 };
 
 /// What one chunk gathers: maxima and places, merged in the order of the chunks.
@@ -140,30 +125,6 @@ struct Extremes {
   double max_abs = 0, max_rel = -1, edge_max_abs = 0;
   double en_max = -1;
   std::int64_t worst_pixel = -1, first_invalid = -1;
-};
-
-/// Bin of |E_n|: a table over the leading bits gives the lowest bin possible; edges lie far enough apart that at most one is left to ask.
-class EnBins {
- public:
-  explicit EnBins(std::span<const double> edges) : first_(kBuckets), upper_(edges.begin() + 1, edges.end()) {
-    for (std::size_t i = 0; i + 1 < upper_.size(); ++i)
-      if (!(upper_[i] > 0 && upper_[i + 1] >= upper_[i] * 1.125)) throw std::invalid_argument("edges of E_n must ascend by an eighth at least");
-    upper_.back() = kInfinity;
-    std::size_t bin = 0;
-    for (std::size_t bucket = 0; bucket < kBuckets; ++bucket) {
-      while (std::bit_cast<double>(static_cast<std::uint64_t>(bucket) << 48) > upper_[bin]) ++bin;
-      first_[bucket] = static_cast<std::uint16_t>(bin);
-    }
-  }
-  std::size_t bins() const { return upper_.size(); }
-  std::size_t operator()(double magnitude) const {
-    const std::size_t bin = first_[bucket_of(magnitude)];
-    return bin + (magnitude > upper_[bin]);
-  }
-
- private:
-  std::vector<std::uint16_t> first_;
-  std::vector<double> upper_;
 };
 
 PixelClass classify_suspect(const Job& job, const Block& block, std::size_t pixel, Tally& tally) {
@@ -207,10 +168,6 @@ bool classify(const Job& job, const Block& block, Tally& tally, Extremes& extrem
   return all_scored;
 }
 
-bool is_scored(std::uint8_t kind) {
-  return static_cast<PixelClass>(kind) == PixelClass::agree || static_cast<PixelClass>(kind) == PixelClass::diverge;
-}
-
 /// Moves the values of the pixels to be scored to the front of what the statistics read, and notes whose they are.
 void leave_out(const std::uint8_t* classes, Block& block) {
   std::size_t kept = 0;
@@ -227,14 +184,6 @@ void leave_out(const std::uint8_t* classes, Block& block) {
   for (std::size_t i = kept; i < block.padded(); ++i)
     block.b[i] = block.own_b[i] = block.difference[i] = block.magnitude[i] = block.en[i] = 0;
 }
-
-double larger(double one, double other) { return one > other ? one : other; }
-
-/// Sums and maxima over a block.
-struct Reduction {
-  double sum = 0, squares = 0, max_abs = 0, max_rel = -1, max_en = 0;
-  std::uint64_t zeros = 0;
-};
 
 Reduction reduce(const Block& block) {
   double sum[kLanes] = {}, squares[kLanes] = {}, max_abs[kLanes] = {}, max_en[kLanes] = {}, zeros[kLanes] = {};
@@ -264,33 +213,24 @@ Reduction reduce(const Block& block) {
   return out;
 }
 
-/// The values at the front of a block, `block.values` of them; `moved`: after `leave_out`.
-Reduction score(const Block& block, bool moved, const EnBins& bins, Tally& tally, Extremes& extremes) {
-  const Reduction reduced = reduce(block);
-  for (std::size_t i = 0; i < block.values; ++i) {
-    ++tally.magnitudes[bucket_of(block.magnitude[i])];
-    ++tally.en_counts[bins(std::fabs(block.en[i]))];
-  }
-  tally.scored += block.values;
+/// Adds the values of a block, `values` of them; pixel_of(i) tells which pixel of the image value i belongs to.
+template <class PixelOf>
+void score(const double* magnitude, const double* en, std::size_t values, const Reduction& reduced, Tally& tally,
+           Extremes& extremes, PixelOf&& pixel_of) {
+  tally.histograms.count(magnitude, en, values);
+  tally.scored += values;
   tally.zeros += reduced.zeros;
+  tally.max_rel = larger(reduced.max_rel, tally.max_rel);
   extremes.max_abs = larger(reduced.max_abs, extremes.max_abs);
   extremes.max_rel = larger(reduced.max_rel, extremes.max_rel);
   if (reduced.max_en > kLargest)
-    for (std::size_t i = 0; i < block.values; ++i) tally.en_infinite += std::fabs(block.en[i]) > kLargest;
-  if (reduced.max_en > extremes.en_max && block.values > 0) {
+    for (std::size_t i = 0; i < values; ++i) tally.en_infinite += std::fabs(en[i]) > kLargest;
+  if (reduced.max_en > extremes.en_max && values > 0) {
     extremes.en_max = reduced.max_en;
     std::size_t at = 0;
-    while (std::fabs(block.en[at]) != reduced.max_en) ++at;
-    extremes.worst_pixel = static_cast<std::int64_t>(block.first_pixel + (moved ? block.pixel[at] : at / 3));
+    while (std::fabs(en[at]) != reduced.max_en) ++at;
+    extremes.worst_pixel = static_cast<std::int64_t>(pixel_of(at));
   }
-  return reduced;
-}
-
-/// |E_n| ≤ 1 in the plane exactly where the band agrees: a value just above 1 must not be rounded down to it.
-float plane_en(double en) {
-  const float rounded = static_cast<float>(en);
-  if (std::fabs(en) > 1 && std::fabs(rounded) <= 1) return std::copysign(std::nextafter(1.0f, 2.0f), rounded);
-  return rounded;
 }
 
 void write_planes(const Job& job, const Block& block) {
@@ -322,30 +262,69 @@ struct FirstPass {
   std::vector<double> sums, squares;  // per block
 };
 
-void score_block(const Job& job, const EnBins& bins, std::size_t index, Block& block, FirstPass& pass, Tally& tally,
-                 Extremes& extremes) {
-  fill(job, index * kBlockPixels, block);
+/// A block with something in it that needs a second look, or the last one.
+Reduction score_with_care(const Job& job, std::size_t first_pixel, Block& block, Tally& tally, Extremes& extremes) {
+  fill(job, first_pixel, block);
   const bool all_scored = classify(job, block, tally, extremes);
   write_planes(job, block);
-  if (!all_scored) leave_out(job.classes + block.first_pixel, block);
-  const Reduction reduced = score(block, !all_scored, bins, tally, extremes);
-  pass.sums[index] = reduced.sum;
-  pass.squares[index] = reduced.squares;
+  if (!all_scored) leave_out(job.classes + first_pixel, block);
+  const Reduction reduced = reduce(block);
+  score(block.magnitude, block.en, block.values, reduced, tally, extremes,
+        [&](std::size_t at) { return first_pixel + (all_scored ? at / 3 : block.pixel[at]); });
+  return reduced;
+}
+
+/// Classes of a block all of whose pixels are sane and none excused.
+void classify_plain(const Job& job, std::size_t first_pixel, const PlainBlock& block, Tally& tally) {
+  std::uint8_t* const classes = job.classes + first_pixel;
+  std::uint64_t diverging = 0;
+  if (!block.any_outside) std::fill(classes, classes + kBlockPixels, std::uint8_t{0});
+  else
+    for (std::size_t pixel = 0; pixel < kBlockPixels; ++pixel) {
+      const std::uint64_t* const outside = block.outside + 3 * pixel;
+      classes[pixel] = static_cast<std::uint8_t>(outside[0] | outside[1] | outside[2]);
+      diverging += classes[pixel];
+    }
+  tally.counts[0] += kBlockPixels - diverging;
+  tally.counts[1] += diverging;
+}
+
+/// Whether some pixel of a whole block is excused as an edge.
+bool excuses_any(const Job& job, std::size_t first_pixel) {
+  if (job.edge == nullptr) return false;
+  const std::uint8_t* const marks = job.edge + first_pixel;
+  return std::any_of(marks, marks + kBlockPixels, [](std::uint8_t mark) { return mark != 0; });
+}
+
+/// careful, plain: room to work in.
+Reduction score_block(const Job& job, std::size_t first_pixel, Block& careful, PlainBlock& plain, Tally& tally,
+                      Extremes& extremes) {
+  const bool is_whole = first_pixel + kBlockPixels <= job.pixels;
+  const bool is_plain = is_whole && job.a.sigma == nullptr && job.b.sigma == nullptr && !excuses_any(job, first_pixel);
+  if (is_plain) sweep(job, first_pixel, tally.max_rel, plain);
+  if (!is_plain || plain.suspect) return score_with_care(job, first_pixel, careful, tally, extremes);
+  classify_plain(job, first_pixel, plain, tally);
+  score(plain.magnitude, plain.en, kBlockValues, plain.reduced, tally, extremes,
+        [&](std::size_t at) { return first_pixel + at / 3; });
+  return plain.reduced;
 }
 
 FirstPass first_pass(const Job& job, unsigned threads, std::size_t chunks, std::size_t blocks) {
-  const EnBins bins(job.en_edges);
   FirstPass pass;
-  pass.tallies.resize(threads);
-  for (Tally& tally : pass.tallies) tally.en_counts.resize(bins.bins());
+  pass.tallies.resize(threads, Tally(job.en_edges));
   pass.extremes.resize(chunks);
   pass.sums.resize(blocks);
   pass.squares.resize(blocks);
   parallel_chunks(chunks, threads, [&](std::size_t chunk, unsigned thread) {
-    Block block;
+    Block careful;
+    PlainBlock plain;
     const std::size_t end = std::min(blocks, (chunk + 1) * kChunkBlocks);
-    for (std::size_t index = chunk * kChunkBlocks; index < end; ++index)
-      score_block(job, bins, index, block, pass, pass.tallies[thread], pass.extremes[chunk]);
+    for (std::size_t index = chunk * kChunkBlocks; index < end; ++index) {
+      const Reduction reduced =
+          score_block(job, index * kBlockPixels, careful, plain, pass.tallies[thread], pass.extremes[chunk]);
+      pass.sums[index] = reduced.sum;
+      pass.squares[index] = reduced.squares;
+    }
   });
   return pass;
 }
@@ -362,7 +341,8 @@ Result merge(const FirstPass& pass, std::size_t bins) {
   result.en_counts.resize(bins);
   for (const Tally& tally : pass.tallies) {
     for (std::size_t i = 0; i < 4; ++i) result.counts[i] += tally.counts[i];
-    for (std::size_t i = 0; i < bins; ++i) result.en_counts[i] += tally.en_counts[i];
+    const std::vector<std::uint64_t> errors = tally.histograms.errors();
+    for (std::size_t i = 0; i < bins; ++i) result.en_counts[i] += errors[i];
     add(result.invalid_a, tally.invalid_a);
     add(result.invalid_b, tally.invalid_b);
     result.scored_values += tally.scored;
@@ -385,63 +365,13 @@ Result merge(const FirstPass& pass, std::size_t bins) {
   return result;
 }
 
-using Candidates = std::array<std::vector<double>, 3>;
-
-/// All |a − b| of scored pixels that lie in one of the wanted buckets; a bucket wanted twice is filled once.
-Candidates gather(const Job& job, const std::array<std::size_t, 3>& buckets, unsigned threads, std::size_t chunks) {
-  std::vector<Candidates> found(threads);
-  parallel_chunks(chunks, threads, [&](std::size_t chunk, unsigned thread) {
-    double a[kBlockValues], b[kBlockValues];
-    const std::size_t end = std::min(job.pixels, (chunk + 1) * kChunkPixels);
-    for (std::size_t first = chunk * kChunkPixels; first < end; first += kBlockPixels) {
-      const std::size_t pixels = std::min(kBlockPixels, end - first);
-      load(job.a, 3 * first, 3 * pixels, a);
-      load(job.b, 3 * first, 3 * pixels, b);
-      for (std::size_t i = 0; i < 3 * pixels; ++i) a[i] = std::fabs(a[i] - b[i]);
-      for (std::size_t i = 0; i < 3 * pixels; ++i) {
-        const std::size_t bucket = bucket_of(a[i]);
-        if (bucket != buckets[0] && bucket != buckets[1] && bucket != buckets[2]) continue;
-        if (a[i] == 0 || !is_scored(job.classes[first + i / 3])) continue;
-        const std::size_t which = bucket == buckets[0] ? 0 : bucket == buckets[1] ? 1 : 2;
-        found[thread][which].push_back(a[i]);
-      }
-    }
-  });
-  for (unsigned thread = 1; thread < threads; ++thread)
-    for (std::size_t which = 0; which < 3; ++which)
-      found[0][which].insert(found[0][which].end(), found[thread][which].begin(), found[thread][which].end());
-  return std::move(found[0]);
-}
-
-void percentiles(const Job& job, const FirstPass& pass, unsigned threads, std::size_t chunks, Result& result) {
-  if (result.max_abs == 0) return;  // all percentiles are 0
-  constexpr std::array<unsigned, 3> percents{50, 95, 99};
-  std::uint64_t zeros = 0;
-  std::vector<std::uint32_t> histogram(kBuckets);
+Magnitudes magnitudes_of(const FirstPass& pass, const Result& result) {
+  Magnitudes out{std::vector<std::uint64_t>(kBuckets), 0, result.scored_values, result.counts[2] + result.counts[3] == 0};
   for (const Tally& tally : pass.tallies) {
-    zeros += tally.zeros;
-    for (std::size_t i = 0; i < kBuckets; ++i) histogram[i] += tally.magnitudes[i];
+    out.zeros += tally.zeros;
+    for (std::size_t i = 0; i < kBuckets; ++i) out.by_bucket[i] += tally.histograms.magnitudes(i);
   }
-  histogram[0] -= static_cast<std::uint32_t>(zeros);
-  std::array<Place, 3> places{};
-  std::array<std::size_t, 3> buckets{kBuckets, kBuckets, kBuckets};  // no value has this one
-  for (std::size_t i = 0; i < 3; ++i) {
-    const std::uint64_t rank = rank_of_percentile(result.scored_values, percents[i]);
-    if (rank < zeros) continue;  // the percentile is 0: equal pixels come by the million, and are not gathered
-    places[i] = place_of_rank(histogram, rank - zeros);
-    buckets[i] = places[i].bucket;
-  }
-  Candidates candidates = gather(job, buckets, threads, chunks);
-  std::array<std::ptrdiff_t, 3> settled{};  // values before this place are no larger than those after it
-  for (std::size_t i = 0; i < 3; ++i) {
-    if (buckets[i] == kBuckets) continue;
-    const auto which = static_cast<std::size_t>(std::find(buckets.begin(), buckets.end(), buckets[i]) - buckets.begin());
-    std::vector<double>& values = candidates[which];
-    const auto rank = static_cast<std::ptrdiff_t>(places[i].rank);  // no smaller than that of a lower percentile in the same bucket
-    std::nth_element(values.begin() + settled[which], values.begin() + rank, values.end());
-    settled[which] = rank;
-    result.percentiles[i] = values[places[i].rank];
-  }
+  return out;
 }
 
 }  // namespace
@@ -452,7 +382,7 @@ Result compare(const Job& job) {
   const unsigned threads = thread_count(job.threads, chunks);
   const FirstPass pass = first_pass(job, threads, chunks, blocks);
   Result result = merge(pass, job.en_edges.size() - 1);
-  percentiles(job, pass, threads, chunks, result);
+  result.percentiles = percentiles(job, magnitudes_of(pass, result), threads);
   return result;
 }
 

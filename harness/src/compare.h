@@ -1,6 +1,7 @@
 #pragma once
 // From two radiance images with bounds to classes, normalised error and statistics, in one pass (and a second, light one for the
-// percentiles). All arithmetic is double; nothing is clamped, normalised or zeroed before it is scored.
+// percentiles). Blocks with nothing remarkable in them take the quick way (plain_block.h), the others the careful one. All
+// arithmetic is double; nothing is clamped, normalised or zeroed before it is scored.
 
 #include <array>
 #include <cstddef>
@@ -11,6 +12,11 @@
 namespace equilux {
 
 enum class PixelClass : std::uint8_t { agree = 0, diverge = 1, edge = 2, invalid = 3 };
+
+/// Whether a pixel of this class counts in the statistics.
+inline bool is_scored(std::uint8_t kind) {
+  return kind == static_cast<std::uint8_t>(PixelClass::agree) || kind == static_cast<std::uint8_t>(PixelClass::diverge);
+}
 
 /// One render: its image, and the bound |error| ≤ abs + rel |L| + per_pixel, plus a standard deviation. Null pointers are zeros.
 struct Side {

@@ -5,27 +5,13 @@
 #include <bit>
 #include <cstddef>
 #include <cstdint>
-#include <vector>
 
 namespace equilux {
 
+inline constexpr unsigned kBucketShift = 48;
 inline constexpr std::size_t kBuckets = 1u << 15;  // the sign bit of a magnitude is 0
 
-inline std::size_t bucket_of(double magnitude) { return std::bit_cast<std::uint64_t>(magnitude) >> 48; }
-
-/// Where the value of 0-based rank `rank` lies: its bucket, and its rank within that bucket.
-struct Place {
-  std::size_t bucket;
-  std::uint64_t rank;
-};
-
-inline Place place_of_rank(const std::vector<std::uint32_t>& histogram, std::uint64_t rank) {
-  for (std::size_t bucket = 0; bucket < histogram.size(); ++bucket) {
-    if (rank < histogram[bucket]) return {bucket, rank};
-    rank -= histogram[bucket];
-  }
-  return {histogram.size(), 0};
-}
+inline std::size_t bucket_of(double magnitude) { return std::bit_cast<std::uint64_t>(magnitude) >> kBucketShift; }
 
 /// 0-based rank of the smallest value that `percent` % of `count` values do not exceed (the inverted distribution function).
 inline std::uint64_t rank_of_percentile(std::uint64_t count, unsigned percent) { return (count * percent + 99) / 100 - 1; }

@@ -218,6 +218,36 @@ def test_percentiles_are_order_statistics_even_of_a_million_equal_differences() 
             assert got[f"p{percent}"] == expected, f"p{percent}: kernel {got[f'p{percent}']!r}, plain {expected!r}"
 
 
+def test_percentiles_are_exact_where_most_differences_share_their_leading_bits() -> None:
+    """Sixteen bits at a time are told apart: of equal values, of values that differ in the last bits, of denormal ones."""
+    rng = np.random.default_rng(4)
+    b = np.zeros((150, 200, 3))
+    for step in (0.25, 2.0**-52, 2.0**-1074):
+        base = 1.0 if step == 2.0**-52 else 0.0
+        a = base + step * rng.integers(0, 5, b.shape) * (rng.random(b.shape) < 0.8)
+        got = kernel(a, b)
+        for percent in (50, 95, 99):
+            expected = order_statistic(np.abs(a - b), percent)
+            assert got[f"p{percent}"] == expected, f"step {step}: p{percent}: kernel {got[f'p{percent}']!r}, plain {expected!r}"
+
+
+@settings(max_examples=60, deadline=None)
+@given(images())
+def test_the_quick_way_and_the_careful_way_give_the_same_bits(given_: dict[str, Any]) -> None:
+    """Where anything was sampled every block is scored with care; a standard deviation of zero adds nothing to B."""
+    options = {
+        f"{name}_{side}": given_[name][index] for name in ("abs", "rel", "per_pixel") for index, side in enumerate("ab")
+    }
+    tall = [np.concatenate([given_[side]] * 3, axis=0) for side in "ab"]  # several blocks, awkward and plain ones
+    for side in "ab":
+        if options[f"per_pixel_{side}"] is not None:
+            options[f"per_pixel_{side}"] = np.concatenate([options[f"per_pixel_{side}"]] * 3, axis=0)
+    quick = kernel(*tall, **options)
+    careful = kernel(*tall, **options, sigma_a=np.zeros(tall[0].shape, np.float32), coverage_factor=5.0)
+    for name, value in careful.items():
+        np.testing.assert_array_equal(quick[name], value, err_msg=name)
+
+
 def test_sums_keep_to_their_error_bound_where_adding_up_in_order_does_not() -> None:
     a, b = np.full((1024, 512, 3), 0.1), np.zeros((1024, 512, 3))
     got, exact = kernel(a, b)["sum"], math.fsum(a.ravel())
