@@ -70,7 +70,7 @@ class Plan:
         return max(2.0, MARGIN * self.relative_precision / HALF_STEP)
 
     def _rung(self, k: int) -> float:
-        return _expressible(self.darkest * self._ratio ** (k + 1))
+        return expressible(self.darkest * self._ratio ** (k + 1))
 
     def _first_wave(self) -> list[float]:
         if self.limit == 1:
@@ -78,14 +78,14 @@ class Plan:
             return [1.0]
         if 0 < self.ceiling <= self._rung(-1):
             # darker altogether than what the ladder is made for
-            return [_expressible(self.ceiling * 1.001)]
+            return [expressible(self.ceiling * 1.001)]
         top = next(k for k in range(100) if self._rung(k) >= self.ceiling)
         return [self._rung(k) for k in range(min(top + 1, SPECULATION, self.limit))]
 
     def _brighter(self) -> list[float]:
         """Something is brighter than all that was looked at: the next rung, and the one above if the ceiling allows for it."""
-        following = _expressible(max(self.looked) * self._ratio)
-        beyond = [_expressible(following * self._ratio)] if self.limit > 1 and self.ceiling > following else []
+        following = expressible(max(self.looked) * self._ratio)
+        beyond = [expressible(following * self._ratio)] if self.limit > 1 and self.ceiling > following else []
         return [following, *beyond]
 
     def _unclipped(self) -> list[float]:
@@ -111,7 +111,7 @@ class Plan:
         black = [scale for scale in self.looked if scale < self._rung(0)]
         if self.limit == 1 or len(black) >= DEPTHS or self.ceiling <= seen * HALF_STEP * self.relative_precision:
             return []
-        return [_expressible(min(min(self.looked), self._rung(0)) / CLIPPED)]
+        return [expressible(min(min(self.looked), self._rung(0)) / CLIPPED)]
 
 
 def factor(full_scale: float) -> str:
@@ -119,6 +119,6 @@ def factor(full_scale: float) -> str:
     return f"{1.0 / full_scale:.4g}"
 
 
-def _expressible(full_scale: float) -> float:
+def expressible(full_scale: float) -> float:
     """The full scale near `full_scale` whose factor is exactly what is written."""
     return 1.0 / float(factor(full_scale))

@@ -10,41 +10,44 @@ import numpy as np
 
 from equilux_adapters.povray import distances
 from equilux_adapters.povray.frame import Frame, view
+from equilux_adapters.povray.knobs import PovrayKnobs
 from equilux_adapters.povray.lights import Lamp
 from equilux_adapters.povray.materials import Coefficients
 from equilux_adapters.povray.media import INDEX_STEP, Media, crossings
 from equilux_adapters.povray.meshes import OBLIQUE, mesh_accuracy
 from equilux_adapters.povray.textures import texture
+from equilux_adapters.povray.truncation import BOUNDLESS, Paths, Surface, below_weight, beyond_level, gain
 from equilux_scenes.case import Case
 from equilux_scenes.model import Plane
 from equilux_scenes.transforms import matrix
 
-BOUNDLESS = 1e30  # where weights above 1 multiply beyond all use
-
 
 def facts(
-    case: Case, frame: Frame, lights: Sequence[Lamp], materials: Mapping[str, Coefficients], insides: Media
+    case: Case, frame: Frame, lights: Sequence[Lamp], materials: Mapping[str, Coefficients], insides: Media, knobs: PovrayKnobs
 ) -> dict[str, Any]:
     """Plain data for `render` and `read`."""
     scene = case.scene
     used = [materials[obj.material] for obj in scene.objects]
     passed = _shadow_gain(case, used)
     ceiling, strength, rounded_highlight = max(scene.background), 0.0, 0.0
+    surfaces = []
     for index, m in enumerate(used):
         glow = max(e + a * light for e, a, light in zip(m.emission, m.ambient, scene.ambient, strict=True))
         arriving = sum(lamp.irradiance[index] for lamp in lights) * passed
-        ceiling, strength = max(ceiling, glow + arriving * m.shine), max(strength, m.shine)
+        surfaces.append(Surface(min(float(glow + arriving * m.shine), BOUNDLESS), m))
+        ceiling, strength = max(ceiling, surfaces[-1].local), max(strength, m.shine)
         if m.half_vector or float(np.float32(m.exponent)) != m.exponent:
             rounded_highlight = max(rounded_highlight, arriving * max(m.specular))
     bounces = scene.recursion_limit if {"reflection", "transparency"} & set(case.requires) else 0
-    gain = _gain(used, bounces)
+    paths = Paths(surfaces, max(scene.background), bounces)
+    every_hit = gain(paths.onward, bounces)
     meshes = {str(index): vars(mesh_accuracy(mesh, matrix(scene.objects[index]))) for index, mesh in case.meshes.items()}
     return {
         "width": scene.film.width,
         "height": scene.film.height,
-        "ceiling": min(float(ceiling) * gain, BOUNDLESS),
-        "strength": min(strength * passed * gain, BOUNDLESS),
-        "rounded_highlight": min(float(rounded_highlight) * gain, BOUNDLESS),
+        "ceiling": min(float(ceiling) * every_hit, BOUNDLESS),
+        "strength": min(strength * passed * every_hit, BOUNDLESS),
+        "rounded_highlight": min(float(rounded_highlight) * every_hit, BOUNDLESS),
         "half_vector": any(m.half_vector and any(m.specular) for m in used),
         "layered": any(texture(m).layered for m in used),
         "glowing": any(any(m.ambient) or any(m.emission) for m in used),
@@ -53,7 +56,9 @@ def facts(
         "filters": _filters(case, used),
         "sources": sum(lamp.sources for lamp in lights),
         "fading": max([lamp.relative for lamp in lights], default=0.0),
-        "cancelled": min(float(np.sum([lamp.cancelled for lamp in lights])) * strength * passed * gain, BOUNDLESS),
+        "cancelled": min(float(np.sum([lamp.cancelled for lamp in lights])) * strength * passed * every_hit, BOUNDLESS),
+        "level_cut": beyond_level(paths, levels(case, knobs)),
+        "weight_cut": below_weight(paths, knobs.adc_bailout),
         "film_px": frame.film_px,
         "meshes": meshes,
         "refraction": {str(index): _as_normal(error, used[index].ior) for index, error in insides.index_error.items() if error},
@@ -82,14 +87,10 @@ def _filters(case: Case, used: Sequence[Coefficients]) -> int:
     return sum(2 if mesh is not None else crossings(obj, mesh) for obj, mesh in objects)
 
 
-def _gain(used: Sequence[Coefficients], bounces: int) -> float:
-    """Σ over depths of the largest product of weights: what one error bound per hit may add up to at the eye."""
-    most = max([m.onward for m in used], default=0.0)
-    total, power = 1.0, 1.0
-    for _ in range(bounces):
-        power = min(power * most, BOUNDLESS)
-        total += power
-    return min(total, BOUNDLESS)
+def levels(case: Case, knobs: PovrayKnobs) -> int:
+    """`max_trace_level`: the camera's ray is the first level (Q38)."""
+    asked = case.scene.recursion_limit + 1
+    return asked if knobs.max_trace_level == "scene" else min(asked, knobs.max_trace_level)
 
 
 def _as_normal(error: float, ior: float) -> float:

@@ -36,3 +36,8 @@ def float32_rows(values: npt.NDArray[Any]) -> str:
 
 def integer_rows(values: npt.NDArray[Any]) -> str:
     return ",\n    ".join(f"<{a}, {b}, {c}>" for a, b, c in values.tolist())
+
+
+def grey(bands: Sequence[float]) -> float:
+    """POV-Ray's grey value of a colour (`RGBColour::greyscale`)."""
+    return 0.297 * bands[0] + 0.589 * bands[1] + 0.114 * bands[2]

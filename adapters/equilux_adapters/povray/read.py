@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from typing import Any
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from equilux.adapter import Bound, Budget, Geometric, Program, RawRender, Reading
 from equilux.budget import Term
 from equilux_adapters.povray.exposures import HALF_STEP, Floats, merge
+from equilux_adapters.povray.float_files import half_step, read_floats
 from equilux_adapters.povray.knobs import PovrayKnobs
 from equilux_adapters.povray.png import read_codes
 
@@ -17,17 +18,62 @@ FLOAT32 = 2.0**-24  # relative, one rounding
 LIGHT_CUT = 1e-10  # irradiance × Exposure in every band below which POV-Ray drops a light (Q13)
 
 
+STORED = {
+    "png16": "PNG of 16 bits: half a step of the exposure the value was read from (Q22)",
+    "exr": "OpenEXR of half floats: half a unit in the last place of 11 bits (Q22)",
+    "hdr": "Radiance picture: a step of 8 bits under the exponent of the largest band, cut off (Q22)",
+}
+
+
+class _Picture(NamedTuple):
+    """radiance; the full scale it was read at; how far what was written may be off what POV-Ray computed: (h, w, 3) each."""
+
+    radiance: Floats
+    used: Floats
+    step: Floats
+
+
 def read(raw: RawRender, program: Program, knobs: PovrayKnobs) -> Reading:
     """(h, w, 3) float32. Raises RendererFailed for files that are not what POV-Ray was asked to write."""
     facts = program.data
-    codes = {raw.data["full_scales"][name]: read_codes(path, facts["width"], facts["height"]) for name, path in raw.files.items()}
-    radiance, used = merge(codes)
-    return Reading(radiance.astype(np.float32), Budget(tuple(_terms(facts, radiance, used))))
+    picture = _picture(raw, raw.data["full_scales"], facts, knobs)
+    centres = _picture(raw, raw.data["centres"], facts, knobs) if knobs.antialias else picture
+    terms = tuple(_terms(facts, centres, knobs))
+    if knobs.antialias:
+        terms = (*terms, _of_means(picture.radiance, centres.radiance, terms))
+    return Reading(picture.radiance.astype(np.float32), Budget(terms))
 
 
-def _terms(facts: Any, radiance: Floats, used: Floats) -> Iterator[Term]:
-    yield Bound("quantisation", "PNG of 16 bits: half a step of the exposure the value was read from (Q22)", abs=used * HALF_STEP)
+def _picture(raw: RawRender, scales: Mapping[str, float], facts: Any, knobs: PovrayKnobs) -> _Picture:
+    size = (facts["width"], facts["height"])
+    if knobs.channel == "png16":
+        radiance, used = merge({scale: read_codes(raw.files[name], *size) for name, scale in scales.items()})
+        return _Picture(radiance, used, used * HALF_STEP)
+    ((name, scale),) = scales.items()
+    stored = read_floats(raw.files[name], *size)
+    step = np.where(np.isfinite(stored), half_step(knobs.channel, stored), 0.0)
+    return _Picture(stored * scale, np.full(stored.shape, scale), step * scale)
+
+
+def _of_means(means: Floats, centres: Floats, terms: Sequence[Term]) -> Bound:
+    """What is stated of the centres holds for a mean too, if the difference of the two is added, and what is stated relative to
+    the radiance at the centre."""
+    relative = sum(term.rel for term in terms if isinstance(term, Bound))
+    off = np.where(np.isfinite(means) & np.isfinite(centres), np.abs(means - centres), 0.0)
+    reason = "antialiased: a mean over the pixel, off its centre's radiance by what a picture of the centres says (Q46)"
+    return Bound("pixel mean", reason, abs=off * (1.0 + relative))
+
+
+def _terms(facts: Any, picture: _Picture, knobs: PovrayKnobs) -> Iterator[Term]:
+    radiance, used, step = picture
+    yield Bound("quantisation", STORED[knobs.channel], abs=step)
     yield _arithmetic(facts)
+    if facts["level_cut"]:
+        reason = "rays beyond max_trace_level: the largest weights of so many bounces (Q38)"
+        yield Bound("level-cut", reason, abs=facts["level_cut"])
+    if facts["weight_cut"]:
+        reason = "rays that count less than adc_bailout, times what a ray may bring (Q45)"
+        yield Bound("weight-cut", reason, abs=facts["weight_cut"])
     yield Bound("storage", "the merged image is float32", rel=FLOAT32)
     if facts["sources"]:
         reason = f"a light whose irradiance × Exposure is below {LIGHT_CUT:g} in every band is dropped (Q13)"

@@ -14,11 +14,13 @@ from pathlib import Path
 
 from equilux.adapter import Limits, Program, RawRender, RendererCrashed, RendererFailed, RendererTimedOut
 from equilux_adapters.povray.exposures import Plan, factor
+from equilux_adapters.povray.float_files import FloatPlan, read_floats
 from equilux_adapters.povray.knobs import PovrayKnobs
 from equilux_adapters.povray.png import read_codes
 from equilux_adapters.povray.translate import SETTINGS_FILE
 
 EXECUTABLE = "povray"
+SUFFIXES = {"png16": "png", "exr": "exr", "hdr": "hdr"}
 POLL_S = 0.005
 MESSAGE_LINES = 12
 CHATTER = ("==== ", "Parsing ", "Rendered ", "POV-Ray finished")  # headings and progress
@@ -32,10 +34,11 @@ class Exposure:
 
     full_scale: float
     name: str
+    more: tuple[str, ...] = ()
 
     @property
     def arguments(self) -> list[str]:
-        return [f"Output_File_Name={self.name}", f"Declare=Exposure={factor(self.full_scale)}"]
+        return [f"Output_File_Name={self.name}", f"Declare=Exposure={factor(self.full_scale)}", *self.more]
 
 
 def render(program: Program, program_dir: Path, workdir: Path, limits: Limits, knobs: PovrayKnobs) -> RawRender:
@@ -47,22 +50,65 @@ def render(program: Program, program_dir: Path, workdir: Path, limits: Limits, k
     for name in program.files:
         # POV-Ray may read and write below its working directory, wherever the run's folder is (Q26)
         shutil.copyfile(program_dir / name, workdir / name)
-    plan = Plan(knobs.exposures, knobs.relative_precision, knobs.darkest, program.data["ceiling"])
-    done: list[Exposure] = []
-    while wave := [Exposure(scale, f"exposure-{len(done) + i}.png") for i, scale in enumerate(plan.next_wave())]:
-        _run_all(executable, wave, workdir, started + limits.timeout_s)
-        for exposure in wave:
-            plan.looked[exposure.full_scale] = read_codes(workdir / exposure.name, program.data["width"], program.data["height"])
-        done += wave
-    merged = plan.chosen()
-    chosen = [exposure for exposure in done if exposure.full_scale in merged]
+    run = _Runs(executable, program, workdir, started + limits.timeout_s, knobs)
+    chosen = run.exposures("exposure")
+    seconds = {"render": time.monotonic() - started}
+    centres: list[Exposure] = []
+    if knobs.antialias:
+        # how far a mean over a pixel is from the radiance at its centre cannot be told from the mean (Q46)
+        centres = run.exposures("centres", "Antialias=Off")
+        seconds["centres"] = time.monotonic() - started - seconds["render"]
     return RawRender(
-        files={exposure.name: workdir / exposure.name for exposure in chosen},
-        seconds={"render": time.monotonic() - started},
-        program_files={"command.txt": _commands(chosen).encode()},
-        data={"full_scales": {exposure.name: exposure.full_scale for exposure in chosen}, "rendered": len(done)},
+        files={exposure.name: workdir / exposure.name for exposure in (*chosen, *centres)},
+        seconds=seconds,
+        program_files={"command.txt": _commands((*chosen, *centres)).encode()},
+        data={
+            "full_scales": {exposure.name: exposure.full_scale for exposure in chosen},
+            "centres": {exposure.name: exposure.full_scale for exposure in centres},
+            "rendered": run.count,
+        },
         environment={"threads": str(knobs.threads)},
     )
+
+
+@dataclass
+class _Runs:
+    """One program's runs of POV-Ray. count: how many there were."""
+
+    executable: str
+    program: Program
+    workdir: Path
+    deadline: float
+    knobs: PovrayKnobs
+    count: int = 0
+
+    def exposures(self, stem: str, *more: str) -> list[Exposure]:
+        """All exposures that the picture asks for; those to merge are returned. more: settings beyond the program's."""
+        plan = self._plan()
+        done: list[Exposure] = []
+        while scales := plan.next_wave():
+            names = [f"{stem}-{len(done) + i}.{SUFFIXES[self.knobs.channel]}" for i in range(len(scales))]
+            wave = [Exposure(scale, name, more) for scale, name in zip(scales, names, strict=True)]
+            _run_all(self.executable, wave, self.workdir, self.deadline)
+            for exposure in wave:
+                self._look(plan, exposure)
+            done += wave
+        self.count += len(done)
+        chosen = plan.chosen()
+        return [exposure for exposure in done if exposure.full_scale in chosen]
+
+    def _plan(self) -> Plan | FloatPlan:
+        knobs = self.knobs
+        if knobs.channel == "png16":
+            return Plan(knobs.exposures, knobs.relative_precision, knobs.darkest, self.program.data["ceiling"])
+        return FloatPlan(knobs.channel)
+
+    def _look(self, plan: Plan | FloatPlan, exposure: Exposure) -> None:
+        path, width, height = self.workdir / exposure.name, self.program.data["width"], self.program.data["height"]
+        if isinstance(plan, Plan):
+            plan.looked[exposure.full_scale] = read_codes(path, width, height)
+        else:
+            plan.looked[exposure.full_scale] = read_floats(path, width, height)
 
 
 def _commands(exposures: Sequence[Exposure]) -> str:

@@ -14,7 +14,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from equilux_adapters.povray.materials import BLACK, Coefficients, Triple
-from equilux_adapters.povray.numbers import bands, number, vector
+from equilux_adapters.povray.numbers import bands, grey, number, vector
 
 LARGEST_RATIO = 1e6  # a pigment carries another term only up to this quotient, far inside float32
 LEAST_EXPONENT = 1e-30  # stands for zero: the highlight is 1 to the last digit
@@ -23,10 +23,14 @@ LEAST_FILTER = 1e-20  # stands for zero where something must still come through;
 
 @dataclass(frozen=True)
 class Texture:
-    """The text of a texture, and whether it has several layers (then `adc_bailout 0` is needed: Q7)."""
+    """The text of a texture, whether it has several layers (then `adc_bailout 0` is needed: Q7), and the smallest grey value, at
+    most 1, that the layers above any one layer let through; and what those above the mirroring one do.
+    """
 
     text: str
     layered: bool
+    dimmest: float = 1.0
+    above_mirror: float = 1.0
 
 
 @dataclass(frozen=True)
@@ -43,7 +47,9 @@ class _Layer:
 def texture(material: Coefficients) -> Texture:
     """The simplest exact texture for `material`."""
     layers = list(_layers(material))
-    return Texture("\n".join(_stacked(layers)), len(layers) > 1)
+    texts, reaching = _stacked(layers)
+    above_mirror = [grey for layer, grey in zip(layers, reaching, strict=True) if any(layer.shown.reflection)]
+    return Texture("\n".join(texts), len(layers) > 1, min(reaching), min(above_mirror, default=1.0))
 
 
 def _layers(material: Coefficients) -> Sequence[_Layer]:
@@ -99,9 +105,13 @@ def _clear(
     return [*under, *([] if visible is None else [_Layer(replace(visible, reflection=material.reflection))]), *above]
 
 
-def _stacked(layers: Sequence[_Layer]) -> list[str]:
-    """Bottom layer first, as POV-Ray wants it. A layer that neither tints nor lies at the bottom halves what is below it."""
+def _stacked(layers: Sequence[_Layer]) -> tuple[list[str], list[float]]:
+    """Bottom layer first, as POV-Ray wants it. A layer that neither tints nor lies at the bottom halves what is below it.
+
+    And what reaches each layer through those above it, as a grey value.
+    """
     texts: list[str] = []
+    reaching, passing = [], (1.0, 1.0, 1.0)
     weight = 1.0
     restored = False
     for position in range(len(layers) - 1, -1, -1):
@@ -109,10 +119,14 @@ def _stacked(layers: Sequence[_Layer]) -> list[str]:
         half = position > 0 and layer.tint is None
         weight *= 2.0 if half else 1.0
         filter_weight = weight if not restored else 1.0
+        reaching.append(min(1.0, grey(passing)))
+        tint = (0.5,) * 3 if half else layer.tint or BLACK
+        shares = [band * through * (1.0 if half else filter_weight) for band, through in zip(passing, tint, strict=True)]
+        passing = (shares[0], shares[1], shares[2])
         texts.append(_text(layer, 1.0 if restored else weight, half, filter_weight))
         # the first filter from above restores the weight for all that lies below it
         restored = restored or layer.tint is not None
-    return texts[::-1]
+    return texts[::-1], reaching[::-1]
 
 
 def _carries(pigment: Triple, term: Triple) -> bool:

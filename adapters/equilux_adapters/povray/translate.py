@@ -7,7 +7,7 @@ from collections.abc import Mapping
 
 from equilux.adapter import Program
 from equilux_adapters.povray import frame as frames
-from equilux_adapters.povray.facts import facts
+from equilux_adapters.povray.facts import facts, levels
 from equilux_adapters.povray.frame import Frame
 from equilux_adapters.povray.gl_lights import check_viewer
 from equilux_adapters.povray.knobs import PovrayKnobs
@@ -22,6 +22,7 @@ from equilux_scenes.case import Case
 SCENE_FILE = "scene.pov"
 SETTINGS_FILE = "render.ini"
 LOCAL = ("phong", "opengl")  # models without occlusion
+FILE_TYPES = {"png16": "N", "exr": "E", "hdr": "H"}
 EXHAUSTIVE = 200  # below this many objects and lights all are tried, in file order: the first of coincident ones wins (Q17)
 
 
@@ -33,19 +34,22 @@ def program(case: Case, knobs: PovrayKnobs) -> Program:
     insides = media(case)
     materials = {name: coefficients(m, case.scene) for name, m in case.scene.materials.items()}
     files = {
-        SCENE_FILE: _scene(case, frame, lights, materials, insides).encode(),
+        SCENE_FILE: _scene(case, frame, lights, materials, insides, knobs).encode(),
         SETTINGS_FILE: _settings(case, knobs).encode(),
     }
-    return Program(files, SCENE_FILE, facts(case, frame, lights, materials, insides))
+    return Program(files, SCENE_FILE, facts(case, frame, lights, materials, insides, knobs))
 
 
-def _scene(case: Case, frame: Frame, lights: list[Lamp], materials: Mapping[str, Coefficients], insides: Media) -> str:
+def _scene(
+    case: Case, frame: Frame, lights: list[Lamp], materials: Mapping[str, Coefficients], insides: Media, knobs: PovrayKnobs
+) -> str:
     scene = case.scene
     used = list(dict.fromkeys(obj.material for obj in scene.objects))
     names = {name: f"Material_{index}_{re.sub('[^A-Za-z0-9_]', '_', name)}" for index, name in enumerate(used)}
     textures = {name: texture(materials[name]) for name in used}
     ambient = any(any(materials[name].ambient) for name in used)
-    blocks = [_header(case, frame), _globals(case, ambient, any(t.layered for t in textures.values())), _camera(case, frame)]
+    layered = any(t.layered for t in textures.values())
+    blocks = [_header(case, frame), _globals(case, ambient, layered, knobs), _camera(case, frame)]
     if any(scene.background):
         blocks.append(f"background {{ rgb {bands(scene.background)} * Exposure }}")
     blocks += [lamp.text for lamp in lights]
@@ -102,16 +106,15 @@ def _header(case: Case, frame: Frame) -> str:
     return "\n".join(lines)
 
 
-def _globals(case: Case, ambient: bool, layered: bool) -> str:
+def _globals(case: Case, ambient: bool, layered: bool, knobs: PovrayKnobs) -> str:
     parts = ["assumed_gamma 1.0"]
     if ambient:
         parts.append(f"ambient_light rgb {bands(case.scene.ambient)} * Exposure")
     secondary = {"reflection", "transparency"} & set(case.requires)
     if layered or secondary:
-        parts.append("adc_bailout 0")
+        parts.append(f"adc_bailout {number(knobs.adc_bailout)}")
     if secondary:
-        # the camera's ray is the first level (Q38)
-        parts.append(f"max_trace_level {case.scene.recursion_limit + 1}")
+        parts.append(f"max_trace_level {levels(case, knobs)}")
     return f"global_settings {{ {' '.join(parts)} }}"
 
 
@@ -139,8 +142,19 @@ def _settings(case: Case, knobs: PovrayKnobs) -> str:
         "; every setting the picture depends on; used as $POVINI, in place of any other povray.ini",
         f"Input_File_Name={SCENE_FILE}",
         f"Width={film.width}", f"Height={film.height}",
-        "Output_File_Type=N", "Bits_Per_Color=16", "File_Gamma=1.0", "Output_Alpha=Off", "Grayscale_Output=Off", "Dither=Off",
-        "Antialias=Off", "Quality=9", "Bounding=On", f"Bounding_Threshold={EXHAUSTIVE}", f"Work_Threads={knobs.threads}",
+        f"Output_File_Type={FILE_TYPES[knobs.channel]}", "Bits_Per_Color=16", "File_Gamma=1.0", "Output_Alpha=Off",
+        "Grayscale_Output=Off", "Dither=Off",
+        *_antialiasing(knobs), "Quality=9", "Bounding=On", f"Bounding_Threshold={EXHAUSTIVE}", f"Work_Threads={knobs.threads}",
         "Display=Off", "Pause_When_Done=Off", "Verbose=Off", "Continue_Trace=Off",
         "Debug_Console=Off", "Render_Console=Off", "Statistic_Console=Off", "",
     ])
+
+
+def _antialiasing(knobs: PovrayKnobs) -> list[str]:
+    """Method 1 adds antialias² points of a grid to the pixel's centre where neighbours differ, without jitter (Q46)."""
+    if not knobs.antialias:
+        return ["Antialias=Off"]
+    return [
+        "Antialias=On", "Sampling_Method=1", f"Antialias_Depth={knobs.antialias}",
+        f"Antialias_Threshold={number(knobs.antialias_threshold)}", "Jitter=Off",
+    ]  # fmt: skip
