@@ -84,6 +84,7 @@ def _render_record(record: Mapping[str, Any], luminance: Luminance | None, stand
         attempts=record["attempts"],
         version=record["version"],
         seconds=record["seconds"],
+        cpu_seconds=record.get("cpu_seconds", {}),
         reused=record["reused"],
         luminance=luminance,
         standing=standing,

@@ -122,6 +122,7 @@ class CaseWork:
             "attempts": outcome.attempts,
             "version": who.version,
             "seconds": outcome.seconds,
+            "cpu_seconds": outcome.cpu_seconds,
             "uncertainty": stated.to_json() if stated is not None else None,
             "knobs": dict(who.knobs),
             "environment": outcome.environment,

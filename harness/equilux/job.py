@@ -40,6 +40,7 @@ class Outcome:
     signal: int | None = None
     attempts: int = 1
     seconds: dict[str, float] = field(default_factory=dict)
+    cpu_seconds: dict[str, float] = field(default_factory=dict)
     environment: dict[str, str] = field(default_factory=dict)
     program: dict[str, Any] | None = None
     stderr_tail: str = ""

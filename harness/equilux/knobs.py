@@ -72,3 +72,14 @@ def _explained(adapter: str, error: Any) -> str:
     where = ".".join(str(part) for part in (adapter, *error["loc"]))
     got = json.dumps(error["input"], default=str)
     return f"--set: {where}: got {got}; {error['msg'][:1].lower()}{error['msg'][1:]}"
+
+
+def steps_of(model: type[Knobs]) -> dict[str, list[Any]]:
+    """The values of each knob that a measurement of the trade tries, fastest first: `steps` in the field's `json_schema_extra`.
+    Knobs that declare none (threads) do not trade accuracy, and are left out."""
+    found = {}
+    for name, field in model.model_fields.items():
+        extra = field.json_schema_extra
+        if isinstance(extra, dict) and isinstance(steps := extra.get("steps"), list) and steps:
+            found[name] = list(steps)
+    return found

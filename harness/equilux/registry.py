@@ -157,12 +157,12 @@ class Registry:
     def names(self) -> tuple[str, ...]:
         return tuple(self.entries)
 
-    def select(self, names: Sequence[str]) -> list[Entry]:
+    def select(self, names: Sequence[str], option: str = "--adapters") -> list[Entry]:
         """The entries of these names, in this order. Raises BadUsage naming what is unknown, what is known and the nearest."""
         unknown = [name for name in names if name not in self.entries]
         if unknown:
             raise BadUsage(
-                f"--adapters: unknown adapter '{unknown[0]}'; installed are {', '.join(self.names) or 'none'}"
+                f"{option}: unknown adapter '{unknown[0]}'; installed are {', '.join(self.names) or 'none'}"
                 f"{nearest(unknown[0], self.names)}"
             )
         return [self.entries[name] for name in dict.fromkeys(names)]

@@ -69,6 +69,9 @@ class RenderRecord(Record):
     attempts: Count = 0
     version: str = ""
     seconds: dict[str, float] = Field(default={}, description="wall time by phase: start, render, read, translate")
+    cpu_seconds: dict[str, float] = Field(
+        default={}, description="CPU time by phase, of all threads and child processes; start is within render"
+    )
     uncertainty: StatedUncertainty | None = None
     luminance: Luminance | None = None
     standing: Standing | None = None

@@ -18,7 +18,8 @@ import signal
 import sys
 import time
 import traceback
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import asdict
 from importlib.metadata import EntryPoint
 from pathlib import Path, PurePosixPath
@@ -142,9 +143,8 @@ def _perform(adapter: Adapter, job: Job, outcome: Outcome) -> None:
     program_folder, work_folder = job.folder / PROGRAM_FOLDER, job.folder / WORK_FOLDER
     work_folder.mkdir()
 
-    started = time.perf_counter()
-    program = _expect_type(adapter.translate(job.case, knobs), Program, "translate()")
-    outcome.seconds["translate"] = time.perf_counter() - started
+    with _timed(outcome, "translate"):
+        program = _expect_type(adapter.translate(job.case, knobs), Program, "translate()")
     _write_program(program_folder, program.files)
     if program.entry not in program.files:
         raise BadDelivery(
@@ -153,22 +153,35 @@ def _perform(adapter: Adapter, job: Job, outcome: Outcome) -> None:
         )
     outcome.program = describe_program(program_folder, program.entry)
 
-    started = time.perf_counter()
-    raw = _expect_type(adapter.render(program, program_folder, work_folder, job.limits, knobs), RawRender, "render()")
-    spent = time.perf_counter() - started
-    seconds = _checked_seconds(raw.seconds)
-    outcome.seconds |= {"start": seconds.pop("start", 0.0), "render": seconds.pop("render", spent)} | seconds
+    with _timed(outcome, "render"):
+        raw = _expect_type(adapter.render(program, program_folder, work_folder, job.limits, knobs), RawRender, "render()")
+    outcome.seconds |= {"start": 0.0} | _checked_seconds(raw.seconds)
     outcome.environment = {str(key): str(value) for key, value in raw.environment.items()}
     _write_program(program_folder, raw.program_files)
     outcome.program = describe_program(program_folder, program.entry)
 
-    started = time.perf_counter()
-    reading = _expect_type(adapter.read(raw, program, knobs), Reading, "read()")
-    outcome.seconds["read"] = time.perf_counter() - started
+    with _timed(outcome, "read"):
+        reading = _expect_type(adapter.read(raw, program, knobs), Reading, "read()")
     film = job.case.scene.film
     image = checked_image(reading.image, (film.height, film.width, 3))
     budget_file.save(budget_file.check(reading.budget, image.shape), job.folder / BUDGET_FILE)
     np.save(job.folder / IMAGE_FILE, image, allow_pickle=False)
+
+
+@contextmanager
+def _timed(outcome: Outcome, phase: str) -> Iterator[None]:
+    """Note the wall and the CPU time of a phase. CPU: of this process, all its threads, and its children that have ended, which
+    is not wall time: a renderer may sleep, or use several cores."""
+    wall, cpu = time.perf_counter(), _cpu_seconds()
+    yield
+    outcome.seconds[phase] = time.perf_counter() - wall
+    outcome.cpu_seconds[phase] = _cpu_seconds() - cpu
+
+
+def _cpu_seconds() -> float:
+    """User and system time of this process and of the children that it has waited for, and theirs in turn."""
+    usages = [resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]
+    return sum(usage.ru_utime + usage.ru_stime for usage in usages)
 
 
 def _checked_seconds(given: Mapping[str, float]) -> dict[str, float]:

@@ -23,6 +23,7 @@ STYLES = (
     "why",
     "dialects",
     "brdf",
+    "tradeoff",
     "viewer",
     "print",
 )

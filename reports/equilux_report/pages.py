@@ -6,7 +6,7 @@ import json
 import math
 from collections.abc import Iterable, Iterator
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import jinja2
 
@@ -18,6 +18,9 @@ from equilux_report.links import Links
 from equilux_report.overview import Overview
 from equilux_report.runfacts import run_facts
 from equilux_report.tree import Run
+
+if TYPE_CHECKING:
+    from equilux_report.tradeoff import TradeView
 
 
 class Pages:
@@ -68,6 +71,9 @@ class Pages:
         return self.environment.get_template("dialects.html.j2").render(
             run=run, dialects=dialects, links=links, title=title(run), about=run_facts(run)
         )
+
+    def tradeoff_page(self, view: TradeView, links: Links) -> str:
+        return self.environment.get_template("tradeoff.html.j2").render(view=view, links=links, title=view.title)
 
     def single_page(
         self,

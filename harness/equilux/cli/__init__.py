@@ -9,10 +9,11 @@ from typing import Any
 
 import cyclopts
 
-from equilux.cli import adapters, brdf, dialects, diff, explain, report, run, scenes, score
+from equilux.cli import adapters, brdf, dialects, diff, explain, report, run, scenes, score, tradeoff
 from equilux.complaint import BadUsage
 
 BAD_USAGE = 2
+WITH_HELP = ("run", "report", "explain", "diff", "score", "tradeoff", "scenes", "adapters")
 
 
 def version() -> str:
@@ -34,6 +35,7 @@ def build() -> cyclopts.App:
     app.command(diff.diff)
     app.command(score.score)
     app.command(dialects.dialects)
+    app.command(tradeoff.tradeoff)
     app.command(brdf.brdf)
     app.command(scenes.build())
     app.command(adapters.build())
@@ -77,5 +79,5 @@ def _complain(lines: Sequence[str]) -> int:
 def _one_line(problem: cyclopts.CycloptsError, arguments: Sequence[str]) -> str:
     """What is wrong with a command line, on one line, with where to read more."""
     text = " ".join(str(problem).split())
-    chain = [word for word in arguments if word in ("run", "report", "explain", "diff", "score", "scenes", "adapters")][:1]
+    chain = [word for word in arguments if word in WITH_HELP][:1]
     return f"equilux: {text} (see: {' '.join(['equilux', *chain, '--help'])})"

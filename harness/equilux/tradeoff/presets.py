@@ -1,0 +1,183 @@
+"""Presets and ladders, derived from a measurement; and those that are shipped, from one that docs/tradeoff.md tells of."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Iterable, Mapping
+from functools import cache
+from importlib.resources import files
+from typing import Any
+
+from pydantic import ValidationError
+
+from equilux.complaint import BadUsage
+from equilux.registry import Entry
+from equilux.tradeoff.front import seconds_of
+from equilux.tradeoff.record import AdapterPresets, Measured, Preset, Presets, Rung, Tradeoff
+
+NAMES = ("fast", "balanced", "exact")
+FAST_ERROR, BALANCED_ERROR = 1e-2, 1e-4
+"""What `fast` and `balanced` are: the cheapest settings as accurate as this on every measured case."""
+AS_GOOD = 1.1
+"""Settings within this factor of the best accuracy are as accurate: the cheapest of them is `exact`."""
+WORTH_A_RUNG = 0.7
+"""A setting is a rung of the ladder if on some case its claim is at most this share of all cheaper rungs' claims."""
+SHIPPED = "presets.json"
+
+BySetting = dict[str, dict[str, Measured]]
+"""Settings that were measured on every case that the renderer can do, by their knobs; each by case."""
+
+
+def derive(measured: Tradeoff) -> Presets:
+    """The presets and the ladder of every renderer that has knobs to set."""
+    made = measured.made
+    names = sorted({name for case in measured.cases for name in case.renderers})
+    adapters = {}
+    for name in names:
+        settings = _settings(measured, name)
+        if len(settings) > 1:
+            adapters[name] = AdapterPresets(
+                version=made.versions.get(name, ""), presets=_presets(settings, made.clock), ladder=_ladder(settings, made.clock)
+            )
+    processor, cores = str(made.machine.get("processor", "")), int(made.machine.get("cores", 0))
+    return Presets(equilux=made.equilux, measured=made.started, processor=processor, cores=cores, adapters=adapters)
+
+
+def _settings(measured: Tradeoff, name: str) -> BySetting:
+    cases = [case for case in measured.cases if name in case.renderers and case.renderers[name].status == "measured"]
+    found: BySetting = {}
+    for case in cases:
+        for setting in case.renderers[name].settings:
+            if setting.times is not None:
+                found.setdefault(json.dumps(setting.knobs, sort_keys=True), {})[case.case] = setting
+    return {key: by_case for key, by_case in found.items() if len(by_case) == len(cases)}
+
+
+def _presets(settings: BySetting, clock: Any) -> dict[str, Preset]:
+    """By name. Where none is as accurate as asked, the most accurate one stands for it, and the rule says so."""
+    ranked = [(key, _worst_accuracy(by_case), _cost(by_case, clock)) for key, by_case in settings.items()]
+    known = [each for each in ranked if each[1] is not None]
+    if not known:
+        return {}
+    best = min(accuracy for _, accuracy, _ in known if accuracy is not None)
+    exact = _cheapest(known, best * AS_GOOD)
+    rules = {
+        "fast": (FAST_ERROR, f"cheapest with error ≤ {FAST_ERROR:g} on every measured case"),
+        "balanced": (BALANCED_ERROR, f"cheapest with error ≤ {BALANCED_ERROR:g} on every measured case"),
+        "exact": (best * AS_GOOD, "most accurate; the cheapest of those within a tenth of it"),
+    }
+    found = {}
+    for name, (bound, rule) in rules.items():
+        key = _cheapest(known, bound)
+        if key is None:
+            key, rule = exact, f"none reaches {bound:g}: the most accurate"
+        if key is not None:
+            found[name] = _preset(settings[key], rule, clock)
+    return found
+
+
+def _cheapest(ranked: Iterable[tuple[str, float | None, float]], bound: float) -> str | None:
+    meeting = [(cost, accuracy, key) for key, accuracy, cost in ranked if accuracy is not None and accuracy <= bound]
+    return min(meeting)[2] if meeting else None
+
+
+def _preset(by_case: Mapping[str, Measured], rule: str, clock: Any) -> Preset:
+    one = next(iter(by_case.values()))
+    cases = {case: (setting.accuracy, seconds_of(setting, clock)) for case, setting in by_case.items()}
+    seconds = [taken for _, taken in cases.values() if taken is not None]
+    return Preset(
+        knobs=one.knobs, label=one.label, rule=rule, accuracy=_worst_accuracy(by_case), seconds=max(seconds), cases=cases
+    )  # fmt: skip
+
+
+def _worst_accuracy(by_case: Mapping[str, Measured]) -> float | None:
+    """Over the cases; None where it is not known on one of them."""
+    found = [setting.accuracy for setting in by_case.values()]
+    known = [accuracy for accuracy in found if accuracy is not None]
+    return max(known) if len(known) == len(found) else None
+
+
+def _cost(by_case: Mapping[str, Measured], clock: Any) -> float:
+    """Geometric mean of the seconds over the cases: no slow case outweighs the others."""
+    taken = [seconds_of(setting, clock) or math.inf for setting in by_case.values()]
+    return math.exp(sum(math.log(max(each, 1e-9)) for each in taken) / len(taken))
+
+
+def _ladder(settings: BySetting, clock: Any) -> list[Rung]:
+    """The settings that claim something better than all cheaper ones on some case, cheapest first. The cases of a corpus ask for
+    more than the measured ones do, so the last is the setting whose knobs are all at their most accurate."""
+    ordered = sorted(settings.values(), key=lambda by_case: _cost(by_case, clock))
+    last = [by_case for by_case in ordered if next(iter(by_case.values())).most_accurate_knobs]
+    kept: list[dict[str, Measured]] = []
+    for by_case in ordered:
+        if by_case not in last and any(
+            setting.claimed is not None and setting.claimed <= WORTH_A_RUNG * _best(kept, case)
+            for case, setting in by_case.items()
+        ):  # fmt: skip
+            kept.append(by_case)
+    return [_rung(by_case, clock) for by_case in [*kept, *last]]
+
+
+def _best(kept: Iterable[Mapping[str, Measured]], case: str) -> float:
+    claims = [by_case[case].claimed for by_case in kept]
+    return min((claim for claim in claims if claim is not None), default=math.inf)
+
+
+def _rung(by_case: Mapping[str, Measured], clock: Any) -> Rung:
+    one = next(iter(by_case.values()))
+    claims = {case: setting.claimed for case, setting in by_case.items()}
+    return Rung(knobs=one.knobs, label=one.label, seconds=_cost(by_case, clock), claimed=claims)
+
+
+# --- those that are shipped -------------------------------------------------------------------------------------------
+
+
+@cache
+def shipped() -> Presets:
+    """The presets that came with this version of equilux."""
+    return Presets.model_validate_json(files("equilux.tradeoff").joinpath(SHIPPED).read_bytes())
+
+
+def preset_settings(name: str, entries: Iterable[Entry]) -> list[str]:
+    """A preset as `--set` settings, of every adapter that has one. Raises BadUsage for a name that is none, and for one that
+    does not fit the knobs of an adapter that is installed."""
+    if name not in NAMES:
+        raise BadUsage(f"--preset: got '{name}', allowed {', '.join(NAMES)}")
+    found = []
+    for entry in entries:
+        known = shipped().adapters.get(entry.name)
+        if entry.adapter is not None and known is not None and name in known.presets:
+            _check(entry, known.presets[name].knobs, f"--preset {name}")
+            found += [f"{entry.name}.{knob}={_typed(value)}" for knob, value in known.presets[name].knobs.items()]
+    return found
+
+
+def ladder_of(entry: Entry, fixed: Mapping[str, Any], base: Mapping[str, Any]) -> list[dict[str, Any]]:
+    """All knobs of an adapter for each rung of its ladder, cheapest first. base: its knobs as they are else. fixed: what the user
+    has set, which no rung changes; rungs that differ in nothing else fall together. One rung where no ladder is known."""
+    known = shipped().adapters.get(entry.name)
+    if entry.adapter is None or known is None or not known.ladder:
+        return [dict(base)]
+    found: list[dict[str, Any]] = []
+    for rung in known.ladder:
+        _check(entry, rung.knobs, "--accuracy")
+        knobs = {**base, **rung.knobs, **fixed}
+        if knobs not in found:
+            found.append(knobs)
+    return found
+
+
+def _check(entry: Entry, knobs: Mapping[str, Any], option: str) -> None:
+    try:
+        entry.adapter.Knobs.model_validate(knobs)  # type: ignore[union-attr]
+    except ValidationError as problem:
+        where = "; ".join(f"{'.'.join(map(str, error['loc']))}: {error['msg']}" for error in problem.errors())
+        raise BadUsage(
+            f"{option}: the shipped measurement does not fit the knobs of {entry.name} ({where}); measure anew: "
+            "equilux tradeoff --presets FILE"
+        ) from None
+
+
+def _typed(value: Any) -> str:
+    return json.dumps(value) if isinstance(value, list | dict | bool) or value is None else str(value)
