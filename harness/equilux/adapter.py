@@ -66,8 +66,8 @@ class Knobs(BaseModel):
     """Base of an adapter's knobs: settings that trade speed for accuracy.
 
     Give each field a default, a range (`Field(ge=…, le=…)`), a description, and
-    `json_schema_extra={"faster": "smaller" | "larger" | [values, fastest first], "steps": [values worth trying]}`, the steps fastest
-    first too, and the default among them. A knob without steps leaves the picture as it is.
+    `json_schema_extra={"faster": "smaller" | "larger" | [values, fastest first], "steps": [values worth trying]}`: the steps
+    fastest first too, the default among them. A knob without steps leaves the picture as it is.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
