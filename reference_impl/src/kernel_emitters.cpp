@@ -7,8 +7,8 @@
 #include "direct_light.h"
 #include "first_surface.h"
 #include "kernels.h"
-#include "phong.h"
 #include "ruled_emitters.h"
+#include "stated.h"
 #include "transport.h"
 
 namespace equilux {
@@ -29,13 +29,16 @@ struct Shading {
 
 // What one delta light may add to the error, lit or not, in units of Rounding::unit; as for model phong.
 template <class F>
-Bands rounding_of_light(const Light& light, const Arriving& arriving, const MaterialDescription& material) {
+Bands rounding_of_light(const World& world, const SurfacePoint& point, const Light& light, const Arriving& arriving,
+                        const MaterialDescription& material) {
   if (!arriving.in_cone) return {};
   const double spot = light.given.kind == LightKind::spot ? Rounding::cone(light.given.exponent) : 0;
   const double cosine = material.brdf == Brdf::phong_cosine || F::ruled ? Rounding::diffuse : 0;  // a rule may add one
   const Bands specular = specular_coefficient(material);
   const Bands local = material.diffuse * Rounding::diffuse + specular * (Rounding::lobe(material.exponent) + cosine);
-  return light.given.strength * (local * arriving.share + (material.diffuse + specular) * (spot * arriving.attenuated));
+  const Bands reflected = material.diffuse + specular;
+  const Bands shading = light.given.strength * (local * arriving.share + reflected * (spot * arriving.attenuated));
+  return completed(shading, light, arriving, reflected, moved_by_camera(world, point));
 }
 
 Reflecting reflecting_at(const SurfacePoint& point, const MaterialDescription& material) {
@@ -90,7 +93,7 @@ void add_delta_light(Shading& shading, const SurfacePoint& point, const Material
   if constexpr (F::channels) {
     if (out.diffuse) write(out.diffuse, slot, diffuse);
     if (out.specular) write(out.specular, slot, specular);
-    sums.rounding = sums.rounding + rounding_of_light<F>(light, arriving, material);
+    sums.rounding = sums.rounding + rounding_of_light<F>(world, point, light, arriving, material);
     signature.add_light(in_front, arriving.in_cone, mirrored && material.exponent < 1);
     signature.add(visible ? 1 : 0);
   }
@@ -115,7 +118,7 @@ LightTerms ruled_delta_light(Shading& shading, const Formula& formula, const Sur
     terms.specular = irradiance * specular_coefficient(material) * lit.shares.specular;
   }
   if constexpr (F::channels) {
-    terms.rounding = rounding_of_light<F>(light, lit.arriving, material);
+    terms.rounding = rounding_of_light<F>(shading.world, place, light, lit.arriving, material);
     signature.add_light(lit.gate(formula.rules), lit.arriving.in_cone, lit.shares.highlit && material.exponent < 1);
     signature.add(visible ? 1 : 0);
   }
@@ -189,6 +192,7 @@ template <class F> void shade(Shading& shading, const SurfacePoint& point, std::
   Sums sums;
   sums.radiance = emission;
   const std::size_t deltas = world.lights.size(), lights = world.light_count(), first = i * lights;
+  shading.shadows.undecided() = false;
   const bool reflects = material.diffuse.any() || specular_coefficient(material).any();
   if constexpr (F::channels) {
     for (std::size_t k = 0; k < lights; ++k) write_light(out, first + k, {}, {}, {});
@@ -202,9 +206,11 @@ template <class F> void shade(Shading& shading, const SurfacePoint& point, std::
     for (std::size_t k = 0; k < emitters; ++k) add_emitter<F>(shading, at, material, static_cast<int>(k), first + deltas + k, sums);
     if (world.description.has_environment) add_emitter<F>(shading, at, material, -1, first + deltas + emitters, sums);
   }
+  sums.radiance = shown(sums.radiance);
   if (out.radiance) write(out.radiance, i, sums.radiance);
   if constexpr (F::channels) {
-    const Bands error = (sums.rounding + sums.radiance * (2 * static_cast<double>(lights) + 6)) * Rounding::unit;
+    const Bands rounding = sums.rounding + sums.radiance * (2 * static_cast<double>(lights) + 6);
+    const Bands error = stated(rounding, sums.radiance, point.undecided || shading.shadows.undecided());
     write_surface(world, point, out, i, emission, {}, error, signature);
     if (out.quadrature) write(out.quadrature, i, sums.quadrature);
   }

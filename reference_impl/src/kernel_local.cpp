@@ -1,7 +1,7 @@
 // Model phong: nothing but the first surface and the lights.
 #include "first_surface.h"
 #include "kernels.h"
-#include "phong.h"
+#include "stated.h"
 
 namespace equilux {
 namespace {
@@ -14,12 +14,13 @@ struct Compiled {
 };
 
 // What one light may add to the error, lit or not, in units of Rounding::unit.
-Bands rounding_of_light(const Light& light, const Arriving& arriving, const MaterialDescription& material) {
+Bands rounding_of_light(const Light& light, const Arriving& arriving, const MaterialDescription& material, const Moved& moved) {
   if (!arriving.in_cone) return {};
   const double spot = light.given.kind == LightKind::spot ? Rounding::cone(light.given.exponent) : 0;
   const Bands reflected = material.diffuse + material.specular;
   const Bands local = material.diffuse * Rounding::diffuse + material.specular * Rounding::lobe(material.exponent);
-  return light.given.strength * (local * arriving.share + reflected * (spot * arriving.attenuated));
+  const Bands shading = light.given.strength * (local * arriving.share + reflected * (spot * arriving.attenuated));
+  return completed(shading, light, arriving, reflected, moved);
 }
 
 template <class F> void shade(const World& world, const SurfacePoint& point, const Outputs& out, std::size_t i) {
@@ -28,6 +29,8 @@ template <class F> void shade(const World& world, const SurfacePoint& point, con
   const Bands ambient = material.ambient * world.description.ambient;
   Bands radiance = material.emission + ambient;
   Bands rounding;
+  Moved moved;
+  if constexpr (F::channels) moved = moved_by_camera(world, point);
   Signature signature(point);
   const std::size_t lights = world.lights.size();
 
@@ -56,13 +59,14 @@ template <class F> void shade(const World& world, const SurfacePoint& point, con
     // 3. Channels
     if constexpr (F::channels) {
       write_light(out, i * lights + k, {}, diffuse, specular);
-      rounding = rounding + rounding_of_light(world.lights[k], arriving, material);
+      rounding = rounding + rounding_of_light(world.lights[k], arriving, material, moved);
       signature.add_light(in_front, arriving.in_cone, mirrored && material.exponent < 1);
     }
   }
+  radiance = shown(radiance);
   if (out.radiance) write(out.radiance, i, radiance);
   if constexpr (F::channels) {
-    const Bands error = (rounding + radiance * (static_cast<double>(lights) + 3)) * Rounding::unit;
+    const Bands error = stated(rounding + radiance * (static_cast<double>(lights) + 3), radiance, point.undecided);
     write_surface(world, point, out, i, material.emission, ambient, error, signature);
   }
 }

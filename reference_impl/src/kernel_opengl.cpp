@@ -2,6 +2,7 @@
 #include "first_surface.h"
 #include "kernels.h"
 #include "opengl.h"
+#include "stated.h"
 
 namespace equilux {
 namespace {
@@ -13,7 +14,7 @@ struct Compiled {
 };
 
 // What one light may add to the error, in units of Rounding::unit.
-Bands rounding_of_light(const Light& light, const Arriving& arriving, const MaterialDescription& material) {
+Bands rounding_of_light(const Light& light, const Arriving& arriving, const MaterialDescription& material, const Moved& moved) {
   if (!arriving.in_cone) return {};
   const LightDescription& given = light.given;
   const double spot = given.kind == LightKind::spot ? Rounding::cone(given.exponent) : 0;
@@ -21,7 +22,9 @@ Bands rounding_of_light(const Light& light, const Arriving& arriving, const Mate
               specular = material.specular * given.specular;
   const Bands local =
       ambient * OpenglRounding::ambient + diffuse * OpenglRounding::diffuse + specular * OpenglRounding::lobe(material.exponent);
-  return given.strength * (local * arriving.share + (ambient + diffuse + specular) * (spot * arriving.attenuated));
+  const Bands reflected = ambient + diffuse + specular;
+  const Bands shading = given.strength * (local * arriving.share + reflected * (spot * arriving.attenuated));
+  return completed(shading, light, arriving, reflected, moved);
 }
 
 template <class F> void shade(const World& world, const SurfacePoint& point, const Outputs& out, std::size_t i) {
@@ -31,6 +34,8 @@ template <class F> void shade(const World& world, const SurfacePoint& point, con
   const Bands global = material.ambient * world.description.ambient;
   Bands radiance = material.emission + global;
   Bands rounding;
+  Moved moved;
+  if constexpr (F::channels) moved = moved_by_camera(world, point);
   Signature signature(point);
   const std::size_t lights = world.lights.size();
 
@@ -56,13 +61,14 @@ template <class F> void shade(const World& world, const SurfacePoint& point, con
 
     if constexpr (F::channels) {
       write_light(out, i * lights + k, ambient, diffuse, specular);
-      rounding = rounding + rounding_of_light(world.lights[k], arriving, material);
+      rounding = rounding + rounding_of_light(world.lights[k], arriving, material, moved);
       signature.add_light(in_front, arriving.in_cone, highlit && material.exponent < 1);
     }
   }
+  radiance = shown(radiance);
   if (out.radiance) write(out.radiance, i, radiance);
   if constexpr (F::channels) {
-    const Bands error = (rounding + radiance * (static_cast<double>(lights) + 4)) * Rounding::unit;
+    const Bands error = stated(rounding + radiance * (static_cast<double>(lights) + 4), radiance, point.undecided);
     write_surface(world, point, out, i, material.emission, global, error, signature);
   }
 }

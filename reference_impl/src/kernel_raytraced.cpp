@@ -6,9 +6,10 @@
 namespace equilux {
 namespace {
 
-template <class F> void write_sample(const Tracing& tracing, const SurfacePoint& point, std::size_t i) {
+template <class F> void write_sample(Tracing& tracing, const SurfacePoint& point, std::size_t i) {
   const Outputs& out = tracing.out;
-  if (out.radiance) write(out.radiance, i, tracing.radiance);
+  const Bands radiance = shown(tracing.radiance);
+  if (out.radiance) write(out.radiance, i, radiance);
   if constexpr (F::channels) {
     const World& world = tracing.world;
     const MaterialDescription& material = material_of(world, point.object);
@@ -19,7 +20,8 @@ template <class F> void write_sample(const Tracing& tracing, const SurfacePoint&
     }
     if (out.reflected) write(out.reflected, i, tracing.reflected);
     if (out.transmitted) write(out.transmitted, i, tracing.transmitted);
-    if (out.rounding) write(out.rounding, i, (tracing.rounding + tracing.radiance * static_cast<double>(tracing.terms)) * Rounding::unit);
+    const Bands rounding = tracing.rounding + radiance * static_cast<double>(tracing.terms);
+    if (out.rounding) write(out.rounding, i, stated(rounding, radiance, point.undecided || tracing.undecided()));
     if (out.signature) out.signature[i] = tracing.signature.value();
     write_geometry(world, point, out, i);
   }

@@ -2,6 +2,7 @@
 #include "first_surface.h"
 #include "kernels.h"
 #include "ruled_light.h"
+#include "stated.h"
 
 namespace equilux {
 namespace {
@@ -13,7 +14,7 @@ template <bool TermChannels> struct Compiled {
 
 // What one light may add to the error, in units of Rounding::unit: opengl.h's bound with the factor |N·L| that a rule may add to the
 // highlight.
-Bands rounding_of_light(const Light& light, const Arriving& arriving, const MaterialDescription& material) {
+Bands rounding_of_light(const Light& light, const Arriving& arriving, const MaterialDescription& material, const Moved& moved) {
   if (!arriving.in_cone) return {};
   const LightDescription& given = light.given;
   const double spot = given.kind == LightKind::spot ? Rounding::cone(given.exponent) : 0;
@@ -21,7 +22,9 @@ Bands rounding_of_light(const Light& light, const Arriving& arriving, const Mate
               specular = material.specular * given.specular;
   const Bands local = ambient * OpenglRounding::ambient + diffuse * OpenglRounding::diffuse +
                       specular * (OpenglRounding::lobe(material.exponent) + Rounding::diffuse);
-  return given.strength * (local * arriving.share + (ambient + diffuse + specular) * (spot * arriving.attenuated));
+  const Bands reflected = ambient + diffuse + specular;
+  const Bands shading = given.strength * (local * arriving.share + reflected * (spot * arriving.attenuated));
+  return completed(shading, light, arriving, reflected, moved);
 }
 
 template <class F> void shade(const World& world, SurfacePoint point, const Outputs& out, std::size_t i) {
@@ -34,6 +37,8 @@ template <class F> void shade(const World& world, SurfacePoint point, const Outp
   const Bands global = material.ambient * world.description.ambient;
   Bands radiance = material.emission + global;
   Bands rounding;
+  Moved moved;
+  if constexpr (F::channels) moved = moved_by_camera(world, point);
   Signature signature(point);
   signature.add_normal(point);
   const std::size_t lights = world.lights.size();
@@ -48,7 +53,7 @@ template <class F> void shade(const World& world, SurfacePoint point, const Outp
       diffuse = diffuse + irradiance * light.given.diffuse * material.diffuse * lit.shares.diffuse;
       specular = specular + irradiance * light.given.specular * material.specular * lit.shares.specular;
       if constexpr (F::channels) {
-        rounding = rounding + rounding_of_light(light, lit.arriving, material) * std::fabs(places.weight[j]);
+        rounding = rounding + rounding_of_light(light, lit.arriving, material, moved) * std::fabs(places.weight[j]);
         signature.add_light(lit.gate(rules), lit.arriving.in_cone, lit.shares.highlit && material.exponent < 1);
       }
     }
@@ -57,9 +62,10 @@ template <class F> void shade(const World& world, SurfacePoint point, const Outp
       write_light(out, i * lights + k, ambient, diffuse, specular);
     }
   }
+  radiance = shown(radiance);
   if (out.radiance) write(out.radiance, i, radiance);
   if constexpr (F::channels) {
-    const Bands error = (rounding + radiance * (3 * static_cast<double>(lights) + 4)) * Rounding::unit;
+    const Bands error = stated(rounding + radiance * (3 * static_cast<double>(lights) + 4), radiance, point.undecided);
     write_surface(world, point, out, i, material.emission, global, error, signature);
   }
 }

@@ -7,7 +7,7 @@
 #include "media.h"
 #include "outputs.h"
 #include "raytraced.h"
-#include "spread.h"
+#include "stated.h"
 
 namespace equilux {
 
@@ -50,7 +50,10 @@ struct Tracing {
 
   Tracing(const World& world, const Outputs& out) : world(world), out(out), traversal(world), shadows(world) {}
 
+  bool undecided() { return traversal.undecided || shadows.undecided(); }
+
   void begin() {
+    traversal.undecided = shadows.undecided() = false;
     radiance = reflected = transmitted = rounding = {};
     signature = {};
     terms = 0;
@@ -93,9 +96,8 @@ inline Bands rounding_of_path_light(const Light& light, const Arriving& arriving
   const double factors = 2 * shadow.crossings + 2;
   const Bands reflected = material.diffuse + material.specular;
   const Bands local = material.diffuse * (Rounding::diffuse + factors) + material.specular * (Rounding::lobe(material.exponent) + factors);
-  const double geometry = light.given.kind == LightKind::directional ? moved.turned() : moved.turned() + moved.position_m / arriving.distance;
-  return light.given.strength * shadow.share * (local * arriving.share + reflected * (spot * arriving.attenuated)) *
-         (side * (1 + geometry / Rounding::unit));
+  const Bands shading = light.given.strength * shadow.share * (local * arriving.share + reflected * (spot * arriving.attenuated)) * side;
+  return completed(shading, light, arriving, reflected, moved);
 }
 
 // The secondary rays of a surface point.

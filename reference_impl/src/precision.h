@@ -12,6 +12,7 @@ struct Exact {
     Candidate hit;
     if (!nearest_crossing(search, hit)) return false;
     point = surface_point(world, search.film_ray, hit);
+    point.undecided = search.undecided;
     return true;
   }
 };

@@ -29,17 +29,19 @@ struct Refraction {
 };
 
 // The way that the direction d, unit, takes through the surface with normal N from a medium of index `from` into one of index `into`:
-// with η = from/into, c = N·d, s² = η²(1 − c²): η d + (± √(1 − s²) − η c) N, ± the sign of c, so that it goes on to the side that d
-// pointed to. Total reflection: s² > 1; what rounding leaves of that counts as 1.
-// In the plane of incidence sin θ_t = η sin θ_i: dθ_t/dθ_i = η cos θ_i / cos θ_t, across it η.
+// with η = from/into, c = N·d, the part along the surface grows η-fold: t = η (d − c N), and the direction is t ± √(1 − t²) N, ± the sign
+// of c, so that it goes on to the side that d pointed to. (From 1 − c² it would lose η² digits.) Total reflection: t² > 1; what rounding
+// leaves of that counts as 1. In the plane of incidence sin θ_t = η sin θ_i: dθ_t/dθ_i = η cos θ_i / cos θ_t, across it η.
 inline Refraction refracted(const Vec3dd& d, const Vec3dd& normal, double from, double into) {
   if (from == into) return {false, d, 1};
   const DoubleDouble c = dot(normal, d), ratio = DoubleDouble(from) / DoubleDouble(into);
-  const DoubleDouble rest = DoubleDouble(1.0) - ratio * ratio * (DoubleDouble(1.0) - c * c);
+  const Vec3dd along = (d - normal * c) * ratio;
+  if (!(largest(to_double(along)) < 2)) return {true, {}, 1};
+  const DoubleDouble rest = DoubleDouble(1.0) - dot(along, along);
   if (to_double(rest) < -exact_zero) return {true, {}, 1};
   const DoubleDouble root = square_root(rest);
   const double eta = to_double(ratio), grazing = to_double(root) + 0x1p-45;  // the root of what is left of 0
-  const Vec3dd onward = d * ratio + normal * ((to_double(c) < 0 ? -root : root) - ratio * c);
+  const Vec3dd onward = along + normal * (to_double(c) < 0 ? -root : root);
   return {false, direction_of(onward), std::fmax(eta, (1 + eta * std::fabs(to_double(c))) / grazing)};
 }
 

@@ -46,6 +46,15 @@ void trace(Search& search) {
   query.ray.dir_x = perspective ? static_cast<float>(x) : 0;
   query.ray.dir_y = perspective ? static_cast<float>(y) : 0;
   query.ray.dir_z = 1;
+  // Embree's own arithmetic must not overflow; what a ray so steep meets is looked for without it.
+  if (!(std::fmax(std::fabs(x), std::fabs(y)) * (perspective ? 1 : scale) < 0x1p60)) {
+    for (const int object : world.bounded) try_object(search, object);
+    for (std::size_t mesh = 0; mesh < world.meshes.size(); ++mesh) {
+      const std::size_t triangles = world.meshes[mesh].given->faces.size();
+      for (std::size_t i = 0; i < triangles; ++i) try_triangle(search, static_cast<int>(mesh), static_cast<std::uint32_t>(i));
+    }
+    return;
+  }
   query.ray.tfar = reach_for_embree(search);
   query.ray.mask = 0xffffffffu;
   query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
@@ -84,7 +93,7 @@ void intersect_mesh(const RTCIntersectFunctionNArguments* args) {
 
 void Candidates::offer(const Candidate& candidate) {
   if (candidate.s - candidate.error > reach_) return;
-  reach_ = std::min(reach_, candidate.s + candidate.error);
+  reach_ = std::min(reach_, candidate.s + candidate.error + slack_);
   std::erase_if(found_, [this](const Candidate& other) { return other.s - other.error > reach_; });
   found_.push_back(candidate);
 }
@@ -121,8 +130,12 @@ void try_triangle(Search& search, int index, std::uint32_t triangle) {
   const Sign sign = sign_within(crossing.s, crossing.error);
   if (sign == Sign::negative) return;
   if (sign == Sign::zero) {  // at the eye, or just before or behind it
+    const Camera& camera = search.world->camera;
+    const ExactTriangle exact = mesh.triangle(triangle);
+    const double steepness = std::fabs(to_double(dot(exact.normal, camera.direction(search.film_ray)))) / length(to_double(exact.normal));
+    const double from_eye = length(to_double(exact.a - camera.origin(search.film_ray)));
     const DoubleDouble s = exact_depth(*search.world, search.film_ray, candidate);
-    if (sign_within(s, rounding<DoubleDouble> * search.triangle_ray.size(mesh.vertices[corner[0]])) != Sign::positive) return;
+    if (sign_within(s, rounding<DoubleDouble> * from_eye / steepness) != Sign::positive) return;
     candidate.s = to_double(s);
   }
   search.candidates.offer(candidate);
@@ -130,7 +143,7 @@ void try_triangle(Search& search, int index, std::uint32_t triangle) {
 
 void find_candidates(Search& search) {
   const World& world = *search.world;
-  search.candidates.clear();
+  search.candidates.clear(0x1p-50 * world.eye_size);
   search.triangle_ray = {search.film_ray.x_rounded, search.film_ray.y_rounded, world.camera.perspective()};
   for (const int plane : world.unbounded) try_object(search, plane);
   if (world.embree != nullptr) trace(search);
@@ -156,6 +169,7 @@ DoubleDouble exact_depth(const World& world, const FilmRay& ray, const Candidate
 
 bool nearest_crossing(Search& search, Candidate& winner) {
   find_candidates(search);
+  search.undecided = false;
   const std::vector<Candidate>& found = search.candidates.found();
   if (found.empty()) return false;
   winner = found.front();
@@ -171,7 +185,9 @@ bool nearest_crossing(Search& search, Candidate& winner) {
   const double tie = 0x1p-50 * (world.eye_size / spread + to_double(nearest));
   bool chosen = false;
   for (const Candidate& candidate : found) {
-    if (to_double(depth(candidate) - nearest) > tie) continue;
+    const double behind = to_double(depth(candidate) - nearest);
+    search.undecided |= is_undecided(behind, tie);
+    if (behind > tie) continue;
     const bool earlier = std::pair(candidate.object, candidate.triangle) < std::pair(winner.object, winner.triangle);
     if (!chosen || earlier) winner = candidate;
     chosen = true;

@@ -19,12 +19,14 @@ struct Candidate {
   double error = 0;  // bound on |error of s|
 };
 
-// The candidates within rounding of the nearest crossing found so far.
+// The candidates within rounding of the nearest crossing found so far, or that may count as coincident with it.
 class Candidates {
  public:
-  void clear() {
+  // coincident: up to which difference of s surfaces may count as one, as far as it does not grow with s.
+  void clear(double coincident) {
     found_.clear();
     reach_ = std::numeric_limits<double>::infinity();
+    slack_ = coincident;
   }
   void offer(const Candidate& candidate);
   const std::vector<Candidate>& found() const { return found_; }
@@ -32,7 +34,7 @@ class Candidates {
 
  private:
   std::vector<Candidate> found_;
-  double reach_ = std::numeric_limits<double>::infinity();
+  double reach_ = std::numeric_limits<double>::infinity(), slack_ = 0;
 };
 
 // One camera ray on its way through the world; one per thread, reused.
@@ -41,6 +43,7 @@ struct Search {
   FilmRay film_ray;
   TriangleRay triangle_ray{};
   Candidates candidates;
+  bool undecided = false;  // which of two surfaces is seen hangs on how exactly coincidence is defined (ray.h)
 };
 
 // Fills search.candidates with every crossing that may be the nearest.

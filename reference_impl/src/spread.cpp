@@ -26,6 +26,28 @@ double curvature_of_mesh(const World& world, const SurfacePoint& point) {
 
 }  // namespace
 
+namespace {
+
+// The plane of a triangle is found from its edges: the slimmer it is, the less well.
+double rounding_size_of_triangle(const World& world, const SurfacePoint& point) {
+  const MeshObject& mesh = world.meshes[static_cast<std::size_t>(point.mesh)];
+  const auto& corner = mesh.given->faces[point.triangle];
+  const auto at = [&](std::size_t k) {
+    const CameraPoint& v = mesh.vertices[corner[k]];
+    return Vec3d{v.x, v.y, v.z};
+  };
+  const Vec3d u = at(1) - at(0), v = at(2) - at(0);
+  const double slimness = length(u) * length(v) / length(cross(u, v));
+  return (length(at(0)) + length(u) + length(v)) * (slimness < 0x1p90 ? slimness : 0x1p90);
+}
+
+}  // namespace
+
+double rounding_size(const World& world, const SurfacePoint& point) {
+  if (point.mesh >= 0) return rounding_size_of_triangle(world, point);
+  return world.objects[static_cast<std::size_t>(point.object)].rounding_size;
+}
+
 double curvature(const World& world, const SurfacePoint& point) {
   if (point.mesh >= 0) return curvature_of_mesh(world, point);
   const Object& object = world.objects[static_cast<std::size_t>(point.object)];

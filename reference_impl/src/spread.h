@@ -12,8 +12,7 @@
 // c' = |Ng·D'|. Each step adds rounding of its own, e = 2^-96, times the bend.
 #pragma once
 
-#include "world.h"
-#include "surface.h"
+#include "phong.h"
 
 namespace equilux {
 
@@ -36,6 +35,9 @@ constexpr double mirror_bend = 1;
 // |change of N| per metre along the surface at the point: an upper bound.
 double curvature(const World& world, const SurfacePoint& point);
 
+// Metres: the lengths that the crossing was summed up of. A sphere's are its radius and its distance, however near its surface is.
+double rounding_size(const World& world, const SurfacePoint& point);
+
 inline double across_surface(const SurfacePoint& point, const Vec3d& direction) {
   return std::fabs(dot(point.geometric, direction)) / length(point.geometric);
 }
@@ -43,10 +45,19 @@ inline double across_surface(const SurfacePoint& point, const Vec3d& direction) 
 inline Moved moved_by(const World& world, const Spread& spread, const SurfacePoint& point) {
   Moved moved;
   moved.view = spread.turned + geometry_rounding;
-  moved.across_m = spread.across_m + point.distance * spread.turned + geometry_rounding * (world.eye_size + point.position_size);
+  moved.across_m = spread.across_m + point.distance * spread.turned +
+                   geometry_rounding * (world.eye_size + point.position_size + rounding_size(world, point));
   moved.position_m = moved.across_m / std::fmax(across_surface(point, to_double(point.to_viewer)), 0x1p-40);
   moved.normal = geometry_rounding + moved.position_m * curvature(world, point);
   return moved;
+}
+
+// What the eye sees.
+inline Moved moved_by_camera(const World& world, const SurfacePoint& point) { return moved_by(world, {}, point); }
+
+// How far the direction to a light may be off, radians.
+inline double turned_to_light(const Light& light, const Arriving& arriving, const Moved& moved) {
+  return light.given.kind == LightKind::directional ? moved.turned() : moved.turned() + moved.position_m / arriving.distance;
 }
 
 inline Spread spread_beyond(const Moved& moved, const SurfacePoint& point, const Vec3d& direction, double bend) {

@@ -21,6 +21,7 @@ struct SurfacePoint {
   std::uint32_t triangle = 0;
   Vec3d geometric;             // Ng, not unit, on the viewer's side
   double position_size = 0;    // the lengths that were added up to find the position
+  bool undecided = false;      // of the eye's own: another reading of what coincides (ray.h) would see another surface
 };
 
 SurfacePoint surface_point(const World& world, const FilmRay& ray, const Candidate& hit);

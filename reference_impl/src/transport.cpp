@@ -18,13 +18,16 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 
 bool is_flat(Solid solid) { return solid == Solid::plane || solid == Solid::disc || solid == Solid::rectangle; }
 
-// Which crossings lie ahead. False: rounding leaves it open. The object that the ray leaves is crossed once at s = 0, to rounding.
-template <class R> bool decide_ahead(const Crossings<R>& all, bool own, double start, bool* ahead) {
+// Which crossings lie ahead. False: rounding leaves it open. The object that the ray leaves is crossed once at s = 0, to rounding; its
+// other crossing counts, however near, but within `start` that is open to question.
+template <class R> bool decide_ahead(const Crossings<R>& all, bool own, double start, bool* ahead, bool& undecided) {
   bool certain = !all.uncertain;
   int at_origin = 0;
   for (int i = 0; i < all.count; ++i) {
     const Sign sign = sign_within(all.at[i].s - R(own ? 0.0 : start), all.at[i].error);
     ahead[i] = sign == Sign::positive;
+    const double s = to_double(all.at[i].s), error = all.at[i].error;
+    undecided |= s < 4 * start + error && (own ? ahead[i] : s > 0.5 * start - error);
     if (sign == Sign::zero) {
       ++at_origin;
       certain &= own;
@@ -107,6 +110,9 @@ void Traversal::send_through_embree() {
   query.ray.dir_x = static_cast<float>(direction_in_camera_.x);
   query.ray.dir_y = static_cast<float>(direction_in_camera_.y);
   query.ray.dir_z = static_cast<float>(direction_in_camera_.z);
+  if (!std::isfinite(length(start_) + length(direction_in_camera_))) {
+    throw TracerError("a ray has left the range of numbers: sizes, distances or indices of refraction are too far apart");
+  }
   query.ray.tfar = reach_for_embree();
   query.ray.mask = 0xffffffffu;
   query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
@@ -160,14 +166,15 @@ void Traversal::try_object(int index) {
   if (left && is_flat(object.solid)) return;
   bool ahead[2];
   const Crossings<double> all = crossings(object.solid, object.canonical.rounded(*ray_));
-  if (decide_ahead(all, own, ray_->from.start, ahead)) {
+  bool close = false;
+  if (decide_ahead(all, own, ray_->from.start, ahead, close) && !close) {
     for (int i = 0; i < all.count; ++i) {
       if (ahead[i]) crossed_->offer({index, -1, 0, all.at[i].face, all.at[i].s, all.at[i].error});
     }
     return;
   }
   const Crossings<DoubleDouble> exactly_all = crossings(object.solid, object.canonical.exact(*ray_));
-  decide_ahead(exactly_all, own, ray_->from.start, ahead);
+  decide_ahead(exactly_all, own, ray_->from.start, ahead, undecided);
   for (int i = 0; i < exactly_all.count; ++i) {
     const double s = to_double(exactly_all.at[i].s);
     if (ahead[i]) crossed_->offer({index, -1, 0, exactly_all.at[i].face, s, s * 0x1p-48});
@@ -181,12 +188,12 @@ void Traversal::try_triangle(int index, std::uint32_t triangle) {
   Crossing<double> crossing;
   if (!cross_triangle(triangle_ray_, mesh.vertices[corner[0]], mesh.vertices[corner[1]], mesh.vertices[corner[2]], crossing)) return;
   Candidate candidate{mesh.object, index, triangle, crossing.face, crossing.s, crossing.error};
-  const Sign sign = sign_within(crossing.s - ray_->from.start, crossing.error);
-  if (sign == Sign::negative) return;
-  if (sign == Sign::zero) {
-    const DoubleDouble s = exact_distance(world_, *ray_, candidate);
-    if (!(to_double(s) > ray_->from.start)) return;
-    candidate.s = to_double(s);
+  const double start = ray_->from.start;
+  if (crossing.s + crossing.error < 0.5 * start) return;
+  if (crossing.s - crossing.error < 4 * start) {
+    candidate.s = to_double(exact_distance(world_, *ray_, candidate));
+    undecided |= is_undecided(candidate.s, start);
+    if (!(candidate.s > start)) return;
   }
   crossed_->offer(candidate);
 }
@@ -209,7 +216,7 @@ DoubleDouble exact_distance(const World& world, const Ray& ray, const Candidate&
 // --- the first surface ------------------------------------------------------------------------------------------------
 
 bool Traversal::nearest(const Ray& ray, Candidate& winner) {
-  nearest_.candidates.clear();
+  nearest_.candidates.clear(coincidence_m(world_, ray, 0));
   follow(ray, nearest_);
   const std::vector<Candidate>& found = nearest_.candidates.found();
   if (found.empty()) return false;
@@ -221,7 +228,9 @@ bool Traversal::nearest(const Ray& ray, Candidate& winner) {
   const double tie = coincidence_m(world_, ray, to_double(first));
   bool chosen = false;
   for (const Candidate& candidate : found) {
-    if (to_double(exact_distance(world_, ray, candidate) - first) > tie) continue;
+    const double behind = to_double(exact_distance(world_, ray, candidate) - first);
+    undecided |= is_undecided(behind, tie);
+    if (behind > tie) continue;
     const bool earlier = std::pair(candidate.object, candidate.triangle) < std::pair(winner.object, winner.triangle);
     if (!chosen || earlier) winner = candidate;
     chosen = true;

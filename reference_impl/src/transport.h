@@ -38,6 +38,8 @@ class Traversal {
 
   const World& world() const { return world_; }
 
+  bool undecided = false;  // set where a ray's crossing hangs on how exactly coincidence is defined (ray.h); the caller clears it
+
   // Embree's callbacks end here.
   void try_object(int object);
   void try_triangle(int mesh, std::uint32_t triangle);
@@ -84,6 +86,8 @@ class ShadowRays final : public Crossed {
 
   // From the ray's origin to `distance` metres along it, infinity for a directional light. Crossings at either end do not count.
   Shadow shadow(const Ray& ray, double distance);
+
+  bool& undecided() { return traversal_.undecided; }
 
   void offer(const Candidate& crossing) override;
   double reach() const override { return blocked_ ? -1 : end_; }

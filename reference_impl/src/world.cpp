@@ -13,6 +13,12 @@ namespace {
 // Lengths whose fourth power over- or underflows are refused: nothing physical is lost, and no product needs a guard.
 constexpr double largest_length = 1e60, smallest_length = 1e-60;
 
+// Below, the double-double directions of light and axis do not tell any more what is inside.
+constexpr double narrowest_cone_deg = 1e-12;
+
+// Of refraction: squares of ratios of indices need no guard. Beyond, no path keeps a digit.
+constexpr double largest_index = 1e60;
+
 void refuse(int object, const std::string& what) { throw TracerError("objects[" + std::to_string(object) + "]: " + what); }
 
 Solid solid_of(const ObjectDescription& object) {
@@ -44,18 +50,24 @@ RayFrame<double> rounded(const RayFrame<DoubleDouble>& frame) {
   return {to_double(frame.eye), to_double(frame.right), to_double(frame.up), to_double(frame.forward)};
 }
 
+double frobenius(const Matrix3<DoubleDouble>& m) {
+  double sum = 0;
+  for (const Vec3dd& column : m.column) sum += to_double(dot(column, column));
+  return std::sqrt(sum);
+}
+
 // N ∝ A⁻ᵀ n of the canonical n = A⁻¹ P, so that |∂N| ≤ |A⁻¹|² / |A⁻ᵀ n| ≤ σ_max / σ_min²; 1/r for a sphere that is one in the world too.
 double curvature_of(Solid solid, const Matrix3<DoubleDouble>& to_world, const Matrix3<DoubleDouble>& to_canonical) {
   if (solid != Solid::sphere && solid != Solid::cylinder_capped && solid != Solid::cylinder_open) return 0;
-  const auto square = [](const Matrix3<DoubleDouble>& m) {
-    double sum = 0;
-    for (const Vec3dd& column : m.column) sum += to_double(dot(column, column));
-    return sum;
-  };
-  const double largest = square(to_world), reciprocal = square(to_canonical);
-  // Frobenius norms √3 r and √3 / r: their product is 3 for a similarity, and larger for everything else.
-  if (largest * reciprocal < 9 * (1 + 1e-9)) return std::sqrt(reciprocal / 3) * (1 + 1e-4);
-  return std::sqrt(largest) * reciprocal;
+  const double largest = frobenius(to_world), reciprocal = frobenius(to_canonical);
+  // √3 r and √3 / r: their product is 3 for a similarity, and larger for everything else.
+  if (largest * reciprocal < 3 * (1 + 5e-10)) return reciprocal / std::sqrt(3.0) * (1 + 1e-4);
+  return largest * reciprocal * reciprocal;
+}
+
+double rounding_size_of(Solid solid, const Placement& placement, const Matrix3<DoubleDouble>& to_canonical) {
+  const double size = frobenius(placement.linear), distance = length(to_double(placement.origin));
+  return solid == Solid::plane ? distance : (distance + size) * size * frobenius(to_canonical) / 3;
 }
 
 }  // namespace
@@ -102,6 +114,7 @@ void World::place_object(int index) {
   object.rounded = rounded(object.exact);
   object.canonical = CanonicalFrame(back, object.exact.eye);
   object.curvature = curvature_of(object.solid, placement.linear, back);
+  object.rounding_size = rounding_size_of(object.solid, placement, back);
   (object.solid == Solid::plane ? unbounded : bounded).push_back(index);
 }
 
@@ -149,6 +162,7 @@ std::vector<CameraPoint> World::seen_by_camera(int index, const MeshObject& mesh
 
 void World::prepare_lights() {
   for (const LightDescription& given : description.lights) {
+    if (!(largest(given.position) < largest_length)) throw TracerError("lights: one is farther than 1e60 m from the origin");
     Light light;
     light.given = given;
     light.position = difference(given.position, camera.eye);
@@ -159,7 +173,10 @@ void World::prepare_lights() {
       light.to_light_rounded = to_double(light.to_light);
     }
     if (given.kind == LightKind::spot) {
+      if (given.cone_half_angle_deg < narrowest_cone_deg) throw TracerError("lights: a cone is narrower than 1e-12 degrees");
       light.cone_cosine = sine_cosine_of_degrees(given.cone_half_angle_deg).cosine;
+      const DoubleDouble half_sine = sine_cosine_of_degrees(DoubleDouble(given.cone_half_angle_deg) * 0.5).sine;
+      light.cone_versine = half_sine * half_sine * 2.0;
       features.spot = true;
     }
     lights.push_back(light);
@@ -195,6 +212,9 @@ void World::find_features() {
   bool flat = true;
   for (std::size_t i = 0; i < objects.size(); ++i) {
     const MaterialDescription& material = material_of(*this, static_cast<int>(i));
+    if (!(material.ior < largest_index && material.ior > 1 / largest_index)) {
+      refuse(static_cast<int>(i), "its index of refraction is beyond 1e60 or below 1e-60");
+    }
     features.specular |= material.specular.any() && !lights.empty();
     features.transparency |= material.transparency > 0;
     features.reflection |= material.reflection.any() && material.transparency < 1 && description.recursion_limit > 0;

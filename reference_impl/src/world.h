@@ -24,6 +24,7 @@ struct Object {
   RayFrame<DoubleDouble> exact;
   RayFrame<double> rounded;
   double curvature = 0;      // of its round surface: |change of N| per metre, an upper bound
+  double rounding_size = 0;  // metres: the lengths that its crossings are summed up of, times the condition of its placement
   CanonicalFrame canonical;  // for rays that do not start at the eye
 };
 
@@ -54,7 +55,7 @@ struct Light {
   Vec3dd to_light;      // unit: directional
   Vec3dd axis;          // unit: spot, the way the light travels
   Vec3d to_light_rounded, axis_rounded;
-  DoubleDouble cone_cosine;
+  DoubleDouble cone_cosine, cone_versine;  // versine = 1 − cosine
 };
 
 // What a scene makes use of: selects the kernel, which has no code for anything else.

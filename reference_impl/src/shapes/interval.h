@@ -56,7 +56,8 @@ bool clip_by_slab(Interval<R>& inside, R o, R d, double o_size, double d_size, i
 // The stretch in which a quadratic form |o + s d|² ≤ 1 holds; o, d already projected (3 components for a sphere, 2 for a cylinder).
 // The half chord comes from the distance vector q at the closest approach, not from b² − ac, which would cancel:
 //   s₀ = −o·d / d·d,   q = o + s₀ d,   s = s₀ ∓ √((1 − q·q) / d·d)
-// Error of q: that of o and s₀ d, both of size |o|; hence of 1 − q·q near the rim: 2 |q| times as much, |q| ≤ 1.
+// Error of q: that of o and s₀ d, both of size |o|; hence of 1 − q·q near the rim: 2 |q| times as much, |q| ≤ 1, and its square, which is
+// all there is where |o| exceeds 1 / rounding.
 template <class R>
 bool clip_by_round(Interval<R>& inside, const Vec3<R>& o, const Vec3<R>& d, double o_size, double d_size, int face,
                    Crossings<R>& out) {
@@ -70,7 +71,7 @@ bool clip_by_round(Interval<R>& inside, const Vec3<R>& o, const Vec3<R>& d, doub
   const Vec3<R> q = o + d * s0;
   const R rest = R(1.0) - dot(q, q);
   const double skew = d_size / d_length;  // how much of d cancelled when it was projected
-  const double rest_error = rounding<R> * 4 * (1 + o_size * skew);
+  const double q_error = rounding<R> * 2 * (1 + o_size * skew), rest_error = q_error * (2 + q_error);
   if (!not_negative(rest, rest_error, out)) return false;
   const R root = square_root(to_double(rest) > 0 ? rest / dd : R(0.0));
   const double half = std::fmax(to_double(root) * d_length, std::sqrt(rest_error));
