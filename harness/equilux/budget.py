@@ -7,7 +7,7 @@ through the reference. A `Sampled` term is a standard deviation.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Literal
 
@@ -69,3 +69,17 @@ class Budget:
     def film_px(self) -> float:
         """Film-position uncertainty of the render in pixels: geometric terms add."""
         return sum(term.film_px for term in self.terms if isinstance(term, Geometric))
+
+
+def pixel_mean(means: FloatImage, centres: FloatImage, terms: Sequence[Term]) -> Bound:
+    """The term that makes a budget of the pixels' centres hold for means over pixels.
+
+    Radiance is judged at the centres. How far a mean is off cannot be told from the mean, so the renderer's own picture of the
+    centres is asked: |mean − truth| ≤ |mean − centre| + |centre − truth|, and the last is what `terms` state, relative ones of
+    the centre's radiance. Both (h, w, 3); where one is not finite nothing is stated.
+    """
+    relative = sum(term.rel for term in terms if isinstance(term, Bound))
+    finite = np.isfinite(means) & np.isfinite(centres)
+    off = np.abs(np.where(finite, means, 0.0) - np.where(finite, centres, 0.0))
+    reason = "antialiased: a mean over the pixel, off its centre's radiance by what the renderer's picture of the centres says"
+    return Bound("pixel mean", reason, abs=off * (1.0 + relative))

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from equilux.adapter import Bound, Budget, Geometric, Program, RawRender, Reading
-from equilux.budget import Term
+from equilux.budget import Term, pixel_mean
 from equilux_adapters.povray.exposures import HALF_STEP, Floats, merge
 from equilux_adapters.povray.float_files import half_step, read_floats
 from equilux_adapters.povray.knobs import PovrayKnobs
@@ -40,7 +40,7 @@ def read(raw: RawRender, program: Program, knobs: PovrayKnobs) -> Reading:
     centres = _picture(raw, raw.data["centres"], facts, knobs) if knobs.antialias else picture
     terms = tuple(_terms(facts, centres, knobs))
     if knobs.antialias:
-        terms = (*terms, _of_means(picture.radiance, centres.radiance, terms))
+        terms = (*terms, pixel_mean(picture.radiance, centres.radiance, terms))
     return Reading(picture.radiance.astype(np.float32), Budget(terms))
 
 
@@ -53,15 +53,6 @@ def _picture(raw: RawRender, scales: Mapping[str, float], facts: Any, knobs: Pov
     stored = read_floats(raw.files[name], *size)
     step = np.where(np.isfinite(stored), half_step(knobs.channel, stored), 0.0)
     return _Picture(stored * scale, np.full(stored.shape, scale), step * scale)
-
-
-def _of_means(means: Floats, centres: Floats, terms: Sequence[Term]) -> Bound:
-    """What is stated of the centres holds for a mean too, if the difference of the two is added, and what is stated relative to
-    the radiance at the centre."""
-    relative = sum(term.rel for term in terms if isinstance(term, Bound))
-    off = np.where(np.isfinite(means) & np.isfinite(centres), np.abs(means - centres), 0.0)
-    reason = "antialiased: a mean over the pixel, off its centre's radiance by what a picture of the centres says (Q46)"
-    return Bound("pixel mean", reason, abs=off * (1.0 + relative))
 
 
 def _terms(facts: Any, picture: _Picture, knobs: PovrayKnobs) -> Iterator[Term]:

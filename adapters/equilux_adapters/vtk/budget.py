@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from equilux.adapter import Bound, Budget, Case, Geometric
+from equilux.adapter import Bound, Budget, Case, Geometric, Image
 from equilux_adapters._triangles.bounds import U, view_of
 from equilux_adapters._triangles.displaced import reaches, set_back_of
 from equilux_adapters.vtk.bounds_flat import horizon_of
@@ -104,3 +104,14 @@ def _per_object(facets: Mapping[str, Any]) -> dict[str, Any]:
 
 def _by_index(values: Mapping[str, float]) -> dict[int, float]:
     return {int(index): value for index, value in values.items()}
+
+
+def of_storage(target: str, stored: Image, full_scale: float) -> Bound:
+    """What a frame of half floats or of eight bits loses of the radiance that was computed (Q20)."""
+    if target == "float16":
+        held = np.clip(np.abs(stored) / full_scale, 0.0, float(np.finfo(np.float16).max))
+        step = np.spacing(held.astype(np.float16)).astype(np.float64)
+        reason = "half floats, cut off, not rounded: a unit in the last place of 11 bits"
+        return Bound("half floats", reason, abs=np.where(np.isfinite(stored), step, 0.0) * full_scale)
+    reason = "rounded to a code of 8 bits: half of 1/255 of the full scale"
+    return Bound("eight bits", reason, abs=full_scale * (0.5 / 255 + 4 * U))

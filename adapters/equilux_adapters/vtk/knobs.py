@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Literal
+
 from pydantic import Field
 
 from equilux.adapter import Knobs
@@ -18,5 +20,28 @@ class VtkKnobs(Knobs):
             "How finely round surfaces are tessellated: facets around a circle that is seen at 45°, more where it is seen at a "
             "grazing angle. The normal is off by some (2π/n)²/8, but where less than a pixel is at stake."
         ),
-        json_schema_extra={"faster": "smaller", "steps": [16, 32, 64, 128, 192, 512, 1024]},
+        json_schema_extra={"faster": "smaller", "steps": [16, 32, 64, 128, 192, 512]},
+    )
+    target: Literal["uint8", "float16", "float32"] = Field(
+        default="float32",
+        description=(
+            "What the frame holds: eight bits or half floats, exposed by a power of two so that nothing is clipped, or single "
+            "precision."
+        ),
+        json_schema_extra={"faster": ["uint8", "float16", "float32"], "steps": ["uint8", "float16", "float32"]},
+    )
+    samples: int = Field(
+        default=0,
+        ge=0,
+        le=16,
+        description=(
+            "Samples per pixel (multisampling), 0: its centre. A mean over a pixel is not the radiance at its centre: by how "
+            "much is found by a picture of the centres, and stated. Mesa's software has 4 at most."
+        ),
+        json_schema_extra={"faster": "smaller", "steps": [0, 2, 4]},
+    )
+    interpolation: Literal["gouraud", "phong"] = Field(
+        default="phong",
+        description="What VTK is told to interpolate: radiance or normals. Its OpenGL back end lights every pixel either way.",
+        json_schema_extra={"faster": ["gouraud", "phong"], "steps": ["gouraud", "phong"]},
     )

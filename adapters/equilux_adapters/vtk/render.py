@@ -12,8 +12,11 @@ import numpy as np
 
 from equilux.adapter import Limits, Program, RawRender, RendererFailed
 from equilux_adapters.vtk.knobs import VtkKnobs
+from equilux_adapters.vtk.translate import is_limited
 
 IMAGE = "image.npy"
+CENTRES = "centres.npy"
+"""Radiance at the pixels' centres, where the image's pixels are means of samples."""
 
 
 def render(program: Program, program_dir: Path, workdir: Path, limits: Limits, knobs: VtkKnobs) -> RawRender:
@@ -21,12 +24,19 @@ def render(program: Program, program_dir: Path, workdir: Path, limits: Limits, k
     try:
         seconds = {"start": _start()}
         before = time.perf_counter()
-        image, capabilities = runpy.run_path(str(program_dir / program.entry), run_name="scene")["picture"]()
+        made = runpy.run_path(str(program_dir / program.entry), run_name="scene")["picture"]()
     except Exception as error:
         raise RendererFailed(f"{program.entry}: {type(error).__name__}: {error}") from error
     seconds["render"] = time.perf_counter() - before
-    np.save(workdir / IMAGE, image)
-    return RawRender({IMAGE: workdir / IMAGE}, seconds, environment=_environment(capabilities))
+    if not is_limited(knobs):
+        image, capabilities = made
+        np.save(workdir / IMAGE, image)
+        return RawRender({IMAGE: workdir / IMAGE}, seconds, environment=_environment(capabilities))
+    pictures = {IMAGE: made.pixels} if made.centres is None else {IMAGE: made.pixels, CENTRES: made.centres}
+    for name, pixels in pictures.items():
+        np.save(workdir / name, pixels)
+    files = {name: workdir / name for name in pictures}
+    return RawRender(files, seconds, data={"full_scale": made.full_scale}, environment=_environment(made.capabilities))
 
 
 def _start() -> float:

@@ -12,7 +12,7 @@ from equilux_adapters.vtk.capabilities import CAPABILITIES, LACK_CAUSES
 from equilux_adapters.vtk.knobs import VtkKnobs
 from equilux_scenes.model import DeltaLight, DirectionalLight, Material, PointLight, Scene
 
-KIT = (*GEOMETRY, "equilux_adapters.vtk.kit.stage")
+KIT = (*GEOMETRY, "equilux_adapters.vtk.kit.stage", "equilux_adapters.vtk.kit.limited")
 
 
 def translate(case: Case, knobs: VtkKnobs) -> Program:
@@ -25,9 +25,16 @@ def translate(case: Case, knobs: VtkKnobs) -> Program:
 
 def script(case: Case, knobs: VtkKnobs) -> str:
     """The scene in VTK's words first, then the functions it needs and no others."""
-    body = text.function("picture() -> tuple[Array, str]", _body(case, knobs))
-    main = 'if __name__ == "__main__":\n    np.save("image.npy", picture()[0])'
+    result = "Frame" if is_limited(knobs) else "tuple[Array, str]"
+    body = text.function(f"picture() -> {result}", _body(case, knobs))
+    saved = "picture().pixels" if is_limited(knobs) else "picture()[0]"
+    main = f'if __name__ == "__main__":\n    np.save("image.npy", {saved})'
     return text.assembled(text.head(case, "VTK"), body, main, KIT)
+
+
+def is_limited(knobs: VtkKnobs) -> bool:
+    """Whether the frame holds less than radiance at the pixels' centres."""
+    return knobs.target != "float32" or knobs.samples > 0
 
 
 def _body(case: Case, knobs: VtkKnobs) -> list[str]:
@@ -35,21 +42,24 @@ def _body(case: Case, knobs: VtkKnobs) -> list[str]:
     surfaces = text.surface_names(scene.objects)
     lines = [*text.view(scene), ""]
     for key, name in surfaces.items():
-        lines += [*_surface(name, scene.materials[key], scene), ""]
+        lines += [*_surface(name, scene.materials[key], scene, knobs), ""]
     lines += text.listing("lights", [(_light(light), key) for key, light in scene.delta_lights.items()])
     meshes = [text.shape(index, obj, knobs.tessellation) for index, obj in enumerate(scene.objects)]
     drawn = [f"({mesh}, {surfaces[obj.material]})" for mesh, obj in zip(meshes, scene.objects, strict=True)]
     lines += text.listing("objects", [(call, f"objects[{index}]") for index, call in enumerate(drawn)])
     lines += text.set_back_line(set_backs(case))  # Q12
-    return [*lines, f"return render(view, {numbers(scene.background)}, lights, objects)"]
+    everything = f"view, {numbers(scene.background)}, lights, objects"
+    if is_limited(knobs):
+        return [*lines, f'return render_limited({everything}, target="{knobs.target}", samples={knobs.samples})']
+    return [*lines, f"return render({everything})"]
 
 
-def _surface(name: str, material: Material, scene: Scene) -> list[str]:
+def _surface(name: str, material: Material, scene: Scene, knobs: VtkKnobs) -> list[str]:
     """The statements of one vtkProperty. The K go into the colours: coefficients are clamped to 1, colours are not (Q4).
 
     What lets light through is drawn opaque, with the share 1 − t of light from the front that is its own (Q17).
     """
-    lines = [f"{name} = vtkProperty()", f"{name}.SetInterpolationToPhong()"]
+    lines = [f"{name} = vtkProperty()", f"{name}.SetInterpolationTo{knobs.interpolation.capitalize()}()"]  # Q19
     glow = [own + k * around for own, k, around in zip(material.emission, material.ambient, scene.ambient, strict=True)]  # Q3
     if any(glow):
         lines += [f"{name}.SetAmbient(1)", f"{name}.SetAmbientColor{numbers(glow)}"]

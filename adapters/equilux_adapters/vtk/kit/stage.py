@@ -155,23 +155,31 @@ def render(view: View, background: Array, lights: list[vtkLight], objects: list[
     """One frame: (height, width, 3) float32, row 0 on top; and what OpenGL says of itself."""
     window = offscreen_window(view.width, view.height)
     try:
-        renderer = vtkRenderer()
-        renderer.SetBackground(*background)
-        renderer.SetAutomaticLightCreation(False)
+        renderer = staged(window, view, background, lights, objects)
         renderer.SetPass(frame := float_radiance())
-        window.AddRenderer(renderer)
-        for light in lights:
-            renderer.AddLight(light)
-        seen = [(in_frame(view, towards_eye(view, mesh)), surface) for mesh, surface in objects]
-        # on equal depth VTK keeps what is drawn last: the first object has to be that (Q12)
-        for mesh, surface in reversed(seen):
-            if len(mesh.triangles):
-                renderer.AddActor(actor(mesh, surface))
-        renderer.SetActiveCamera(camera_of(view, clipping_range(view, [mesh for mesh, _ in seen])))
         window.Render()
         return download(frame, view), window.ReportCapabilities()
     finally:
         window.Finalize()
+
+
+def staged(
+    window: Any, view: View, background: Array, lights: list[vtkLight], objects: list[tuple[Mesh, vtkProperty]]
+) -> vtkRenderer:
+    """All that is to be drawn, in the window."""
+    renderer = vtkRenderer()
+    renderer.SetBackground(*background)
+    renderer.SetAutomaticLightCreation(False)
+    window.AddRenderer(renderer)
+    for light in lights:
+        renderer.AddLight(light)
+    seen = [(in_frame(view, towards_eye(view, mesh)), surface) for mesh, surface in objects]
+    # on equal depth VTK keeps what is drawn last: the first object has to be that (Q12)
+    for mesh, surface in reversed(seen):
+        if len(mesh.triangles):
+            renderer.AddActor(actor(mesh, surface))
+    renderer.SetActiveCamera(camera_of(view, clipping_range(view, [mesh for mesh, _ in seen])))
+    return renderer
 
 
 def camera_of(view: View, near_far: tuple[float, float]) -> vtkCamera:
@@ -191,7 +199,12 @@ def camera_of(view: View, near_far: tuple[float, float]) -> vtkCamera:
 
 def download(frame: vtkFramebufferPass, view: View) -> Array:
     """The colour texture, turned so that row 0 is on top."""
+    return download_texture(frame.GetColorTexture(), view)
+
+
+def download_texture(colours: vtkTextureObject, view: View) -> Array:
+    """Colours as 32-bit floats, turned so that row 0 is on top."""
     pixels = np.zeros((view.height, view.width, 4), dtype=np.float32)
-    buffer: vtkPixelBufferObject = frame.GetColorTexture().Download()
+    buffer: vtkPixelBufferObject = colours.Download()
     buffer.Download2D(VTK_FLOAT, pixels, [view.width, view.height], 4, [0, 0])
     return np.ascontiguousarray(pixels[::-1, :, :3])
