@@ -14,7 +14,9 @@ from typing import Any
 from equilux.complaint import BadUsage
 
 RUN_SCHEMA = "equilux/run/1"
-OURS = ("run.json", "results.json", "junit.xml", "summary.md", "expectations.patch", "cases", "report")
+OURS = (
+    "run.json", "results.json", "junit.xml", "summary.md", "expectations.patch", "cases", "report", "extremes.json", "extremes",
+)  # fmt: skip
 """What a results tree consists of; nothing else in the folder is ever touched."""
 SCRATCH_PREFIX = ".scratch-"
 

@@ -22,6 +22,7 @@ STYLES = (
     "case",
     "why",
     "dialects",
+    "extremes",
     "brdf",
     "tradeoff",
     "viewer",

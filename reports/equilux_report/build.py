@@ -36,10 +36,10 @@ def build(run: Path, *, out: Path | None = None, single_file: bool = False, case
     FileNotFoundError if `run` is not a folder, FileExistsError if `out` holds something that is not a report.
     """
     out = (run / "report" if out is None else out).absolute()
-    if not _replaceable(out):
+    if not replaceable(out):
         raise FileExistsError(f"{out}: is not empty and not a report of ours: not replaced")
     tree = read_run(run, case_filter)
-    with _replacing(out) as folder:
+    with replacing(out) as folder:
         data = folder / "data"
         pictures = prepare(tree, data)
         tree = _enriched(tree, pictures)
@@ -117,12 +117,12 @@ def _case_pages(tree: Run, pictures: dict[str, CasePictures], links: Links, orde
         yield case_page(case, neighbours, links, pictures[case.name].packed, pictures[case.name].stops)
 
 
-def _replaceable(out: Path) -> bool:
+def replaceable(out: Path) -> bool:
     return not out.exists() or (out.is_dir() and ((out / MARKER).is_file() or not any(out.iterdir())))
 
 
 @contextmanager
-def _replacing(out: Path) -> Iterator[Path]:
+def replacing(out: Path) -> Iterator[Path]:
     """A new folder beside `out` that takes its place when the block ends well, and vanishes when it does not."""
     out.parent.mkdir(parents=True, exist_ok=True)
     new = Path(tempfile.mkdtemp(prefix=f"{SCRATCH}new-", dir=out.parent))

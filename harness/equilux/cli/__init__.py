@@ -9,11 +9,12 @@ from typing import Any
 
 import cyclopts
 
-from equilux.cli import adapters, brdf, dialects, diff, explain, report, run, scenes, score, tradeoff
+from equilux.cli import adapters, brdf, dialects, diff, explain, extremes, report, run, scenes, score, tradeoff
 from equilux.complaint import BadUsage
 
 BAD_USAGE = 2
-WITH_HELP = ("run", "report", "explain", "diff", "score", "tradeoff", "scenes", "adapters")
+WITH_HELP = ("run", "report", "explain", "diff", "score", "tradeoff", "extremes", "scenes", "adapters")
+"""Commands whose own help a complaint points to."""
 
 
 def version() -> str:
@@ -34,6 +35,7 @@ def build() -> cyclopts.App:
     app.command(explain.explain)
     app.command(diff.diff)
     app.command(score.score)
+    app.command(extremes.extremes)
     app.command(dialects.dialects)
     app.command(tradeoff.tradeoff)
     app.command(brdf.brdf)
