@@ -147,3 +147,27 @@ class World:
         cancel: Cancel | None,
     ) -> None:
         """Fill `result`, three bands per sample."""
+
+class FloatMode:
+    """A world in single precision, for packets of rays. Read-only once made, any number of threads may use it."""
+
+    def __init__(self, world: World, width: int = 0) -> None:
+        """width: of the packets, 4, 8 or 16; 0: the widest that machine and build have. Raises TracerError for what is not covered."""
+
+    @property
+    def width(self) -> int: ...
+    def render(
+        self,
+        *,
+        radiance: npt.NDArray[np.float32],
+        rounding: npt.NDArray[np.float32] | None,
+        threads: int,
+        cancel: Cancel | None,
+    ) -> None:
+        """Fill radiance and, if given, the bound of its arithmetic error: three bands per pixel, row by row."""
+
+    def traverse(self, *, threads: int) -> tuple[int, int, float]:
+        """Trace the same rays without shading: eye rays, shadow rays, seconds."""
+
+    def refine(self, *, arrays: dict[str, npt.NDArray[Any]], threads: int, cancel: Cancel | None) -> None:
+        """As World.trace for all pixels, first surfaces found by float packets."""

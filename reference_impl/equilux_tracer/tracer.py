@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import asdict
-from typing import Any, Literal
+from threading import Lock
+from typing import Any, Literal, NamedTuple, get_args
 
 import numpy as np
 import numpy.typing as npt
@@ -23,11 +24,26 @@ ERROR_TARGET = 1e-6
 
 Arrays = dict[str, npt.NDArray[Any]]
 
+Precision = Literal["exact", "refined", "float"]
+"""exact: double, and double-double wherever rounding could tip a decision. refined: single-precision packets find the surface that
+each eye ray meets first; the crossing, the shading and everything beyond it are exact. float: single-precision packets throughout."""
+
+FLOAT_CHANNELS = ("radiance", "rounding")
+"""What precision "float" can tell, both as float32."""
+
+
+class Traversal(NamedTuple):
+    """What bare Embree needs for the rays of a picture."""
+
+    eye_rays: int
+    shadow_rays: int
+    seconds: float
+
 
 class Tracer:
     """One case, prepared once; afterwards any number of threads may use it at the same time.
 
-    case: what to render. precision: "exact" is double and double-double (phong.h says how many digits that leaves).
+    case: what to render. precision: of `render`, where that is not told another.
     error_target: in (0, 1), asked of the integrals of model reflection-equation: at each sample, the error of what each emitter
     adds to its brightest band, relative to that with nothing in between. There is a work limit: channel `quadrature` says what
     was reached.
@@ -39,31 +55,91 @@ class Tracer:
         self,
         case: Case,
         *,
-        precision: Literal["exact"] = "exact",
+        precision: Precision = "exact",
         error_target: float = ERROR_TARGET,
         rules: ShadingRules = MODEL_RULES,
     ) -> None:
-        if precision != "exact":
-            raise _tracer.TracerError(f"precision: got {precision!r}, allowed 'exact'")
         self.case = case
+        self.precision: Precision = _checked(precision)
         self._lights = len(case.scene.lights)
         description = describe(case)
         description.set_error_target(error_target)
         if rules != MODEL_RULES:
             description.set_rules(**asdict(rules))
         self._world = _tracer.World(description)
+        self._float_modes: dict[int, _tracer.FloatMode] = {}
+        self._preparing = Lock()
 
     def render(
-        self, channels: Sequence[str] = ("radiance",), *, threads: int = 0, cancel: _tracer.Cancel | None = None
+        self,
+        channels: Sequence[str] = ("radiance",),
+        *,
+        threads: int = 0,
+        cancel: _tracer.Cancel | None = None,
+        precision: Precision | None = None,
+        out: npt.NDArray[np.float32] | None = None,
+        packet_width: int = 0,
     ) -> Arrays:
         """The whole film, sampled at pixel centres, row 0 on top.
 
         channels: names from CHANNELS; each comes back with leading shape (height, width). threads: 0 means one per core; the
-        result does not depend on it. cancel: another thread may stop the render through it. Raises TracerError for an unknown
-        channel, Cancelled.
+        result does not depend on it. cancel: another thread may stop the render through it. precision: see Precision, None: the Tracer's own; "float"
+        has the channels FLOAT_CHANNELS only, float32, and, as "refined", the models phong and raytraced. out: where "float" writes
+        the radiance, (height, width, 3) float32, contiguous. packet_width: 4, 8 or 16 rays at a time, 0: as many as the machine
+        can; the picture then differs within `rounding` and at edges. Raises TracerError for an unknown channel, for what the
+        precision does not cover, Cancelled.
         """
         film = self.case.scene.film
+        precision = self.precision if precision is None else _checked(precision)
+        if precision == "float":
+            return self._render_float(channels, threads, cancel, out, packet_width)
+        if out is not None:
+            raise _tracer.TracerError(f"out: only precision 'float' writes float32, got precision {precision!r}")
+        if precision == "refined":
+            arrays = self._arrays(channels, (film.height, film.width))
+            self._float_mode(packet_width).refine(arrays=arrays, threads=threads, cancel=cancel)
+            return arrays
         return self._trace(channels, (film.height, film.width), None, threads, cancel)
+
+    def raw_traversal(self, *, threads: int = 0, packet_width: int = 0) -> Traversal:
+        """Sends the rays of the float mode through Embree and shades nothing: the bound that its speed is measured against.
+
+        The same eye rays in the same packets, and from what they meet the same shadow rays, in the same order, generated anew;
+        no normals, no materials, no output. seconds: wall time. The first call renders once, untimed, to find out which lanes
+        send shadow rays. Secondary rays are not sent. Raises TracerError for what float packets do not cover.
+        """
+        return Traversal(*self._float_mode(packet_width).traverse(threads=threads))
+
+    def _float_mode(self, width: int) -> _tracer.FloatMode:
+        """Prepared when it is first asked for: the exact mode pays nothing for it."""
+        with self._preparing:
+            if width not in self._float_modes:
+                self._float_modes[width] = _tracer.FloatMode(self._world, width)
+            return self._float_modes[width]
+
+    def _render_float(
+        self,
+        channels: Sequence[str],
+        threads: int,
+        cancel: _tracer.Cancel | None,
+        out: npt.NDArray[np.float32] | None,
+        width: int,
+    ) -> Arrays:
+        unknown = [name for name in channels if name not in FLOAT_CHANNELS]
+        if unknown:
+            raise _tracer.TracerError(
+                f"channels: got {', '.join(unknown)}, allowed with precision 'float' {', '.join(FLOAT_CHANNELS)}"
+            )
+        mode = self._float_mode(width)
+        shape = (self.case.scene.film.height, self.case.scene.film.width, 3)
+        if out is None:
+            out = np.empty(shape, np.float32)
+        elif out.shape != shape or out.dtype != np.float32 or not out.flags.c_contiguous:
+            raise _tracer.TracerError(f"out: got {out.dtype} {out.shape}, allowed contiguous float32 {shape}")
+        rounding = np.empty(shape, np.float32) if "rounding" in channels else None
+        mode.render(radiance=out, rounding=rounding, threads=threads, cancel=cancel)
+        arrays: Arrays = {"radiance": out} if rounding is None else {"radiance": out, "rounding": rounding}
+        return {name: arrays[name] for name in channels}
 
     def evaluate(
         self,
@@ -131,12 +207,21 @@ class Tracer:
         threads: int,
         cancel: _tracer.Cancel | None,
     ) -> Arrays:
+        arrays = self._arrays(channels, leading)
+        self._world.trace(film_xy=film_xy, arrays=arrays, threads=threads, cancel=cancel)
+        return arrays
+
+    def _arrays(self, channels: Sequence[str], leading: tuple[int, ...]) -> Arrays:
         unknown = [name for name in channels if name not in CHANNELS]
         if unknown:
             raise _tracer.TracerError(f"channels: got {', '.join(unknown)}, allowed {', '.join(CHANNELS)}")
-        arrays: Arrays = {name: CHANNELS[name].empty(leading, self._lights) for name in channels}
-        self._world.trace(film_xy=film_xy, arrays=arrays, threads=threads, cancel=cancel)
-        return arrays
+        return {name: CHANNELS[name].empty(leading, self._lights) for name in channels}
+
+
+def _checked(precision: Precision) -> Precision:
+    if precision not in get_args(Precision):
+        raise _tracer.TracerError(f"precision: got {precision!r}, allowed {', '.join(map(repr, get_args(Precision)))}")
+    return precision
 
 
 def _positions(film_xy: npt.ArrayLike) -> npt.NDArray[np.float64]:

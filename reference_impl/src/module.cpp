@@ -10,6 +10,7 @@
 #include <optional>
 
 #include "embree_shim.h"
+#include "fast/binding.h"
 #include "kernel.h"
 #include "rules_binding.h"
 #include "sensitivity.h"
@@ -310,4 +311,5 @@ NB_MODULE(_tracer, m) {
   bind_kinds(m);
   bind_description(m);
   bind_world(m);
+  fast::bind_float_mode(m, finish);
 }
