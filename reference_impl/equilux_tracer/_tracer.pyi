@@ -152,7 +152,7 @@ class FloatMode:
     """A world in single precision, for packets of rays. Read-only once made, any number of threads may use it."""
 
     def __init__(self, world: World, width: int = 0) -> None:
-        """width: of the packets, 4, 8 or 16; 0: the widest that machine and build have. Raises TracerError for what is not covered."""
+        """width: of the packets, 4, 8 or 16; 0: the widest there is. Raises TracerError for what is not covered."""
 
     @property
     def width(self) -> int: ...
@@ -169,5 +169,12 @@ class FloatMode:
     def traverse(self, *, threads: int) -> tuple[int, int, float]:
         """Trace the same rays without shading: eye rays, shadow rays, seconds."""
 
-    def refine(self, *, arrays: dict[str, npt.NDArray[Any]], threads: int, cancel: Cancel | None) -> None:
-        """As World.trace for all pixels, first surfaces found by float packets."""
+    def refine(
+        self,
+        *,
+        radiance: _Doubles,
+        rounding: _Doubles | None,
+        threads: int,
+        cancel: Cancel | None,
+    ) -> None:
+        """The same in double: packets find the first surfaces, everything else is exact."""

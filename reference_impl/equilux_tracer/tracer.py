@@ -25,11 +25,12 @@ ERROR_TARGET = 1e-6
 Arrays = dict[str, npt.NDArray[Any]]
 
 Precision = Literal["exact", "refined", "float"]
-"""exact: double, and double-double wherever rounding could tip a decision. refined: single-precision packets find the surface that
-each eye ray meets first; the crossing, the shading and everything beyond it are exact. float: single-precision packets throughout."""
+"""exact: double, and double-double wherever rounding could tip a decision. refined: single-precision packets find the surface
+that each eye ray meets first; the crossing, the shading and everything beyond it are exact. float: single-precision packets
+throughout."""
 
-FLOAT_CHANNELS = ("radiance", "rounding")
-"""What precision "float" can tell, both as float32."""
+PACKET_CHANNELS = ("radiance", "rounding")
+"""What precision "float" and "refined" can tell; float32 and float64."""
 
 
 class Traversal(NamedTuple):
@@ -83,23 +84,21 @@ class Tracer:
         """The whole film, sampled at pixel centres, row 0 on top.
 
         channels: names from CHANNELS; each comes back with leading shape (height, width). threads: 0 means one per core; the
-        result does not depend on it. cancel: another thread may stop the render through it. precision: see Precision, None: the Tracer's own; "float"
-        has the channels FLOAT_CHANNELS only, float32, and, as "refined", the models phong and raytraced. out: where "float" writes
-        the radiance, (height, width, 3) float32, contiguous. packet_width: 4, 8 or 16 rays at a time, 0: as many as the machine
-        can; the picture then differs within `rounding` and at edges. Raises TracerError for an unknown channel, for what the
-        precision does not cover, Cancelled.
+        result does not depend on it. cancel: another thread may stop the render through it.
+        precision: see Precision; None: the Tracer's own. "float" and "refined" have the channels PACKET_CHANNELS only, and the
+        models phong and raytraced; float comes as float32. out: where "float" writes the radiance, (height, width, 3) float32,
+        contiguous. packet_width: 4, 8 or 16 rays at a time, 0: as many as the machine can; the picture then differs within
+        `rounding` and at edges.
+        Raises TracerError for an unknown channel, for what the precision does not cover, Cancelled.
         """
         film = self.case.scene.film
+        shape = (film.height, film.width)
         precision = self.precision if precision is None else _checked(precision)
-        if precision == "float":
-            return self._render_float(channels, threads, cancel, out, packet_width)
-        if out is not None:
+        if out is not None and precision != "float":
             raise _tracer.TracerError(f"out: only precision 'float' writes float32, got precision {precision!r}")
-        if precision == "refined":
-            arrays = self._arrays(channels, (film.height, film.width))
-            self._float_mode(packet_width).refine(arrays=arrays, threads=threads, cancel=cancel)
-            return arrays
-        return self._trace(channels, (film.height, film.width), None, threads, cancel)
+        if precision == "exact":
+            return self._trace(channels, shape, None, threads, cancel)
+        return self._render_by_packets(precision, channels, threads, cancel, out, packet_width)
 
     def raw_traversal(self, *, threads: int = 0, packet_width: int = 0) -> Traversal:
         """Sends the rays of the float mode through Embree and shades nothing: the bound that its speed is measured against.
@@ -117,29 +116,30 @@ class Tracer:
                 self._float_modes[width] = _tracer.FloatMode(self._world, width)
             return self._float_modes[width]
 
-    def _render_float(
+    def _render_by_packets(
         self,
+        precision: Precision,
         channels: Sequence[str],
         threads: int,
         cancel: _tracer.Cancel | None,
         out: npt.NDArray[np.float32] | None,
         width: int,
     ) -> Arrays:
-        unknown = [name for name in channels if name not in FLOAT_CHANNELS]
+        unknown = [name for name in channels if name not in PACKET_CHANNELS]
         if unknown:
-            raise _tracer.TracerError(
-                f"channels: got {', '.join(unknown)}, allowed with precision 'float' {', '.join(FLOAT_CHANNELS)}"
-            )
+            allowed = ", ".join(PACKET_CHANNELS)
+            raise _tracer.TracerError(f"channels: got {', '.join(unknown)}, allowed with precision {precision!r} {allowed}")
         mode = self._float_mode(width)
         shape = (self.case.scene.film.height, self.case.scene.film.width, 3)
-        if out is None:
-            out = np.empty(shape, np.float32)
-        elif out.shape != shape or out.dtype != np.float32 or not out.flags.c_contiguous:
+        if out is not None and (out.shape != shape or out.dtype != np.float32 or not out.flags.c_contiguous):
             raise _tracer.TracerError(f"out: got {out.dtype} {out.shape}, allowed contiguous float32 {shape}")
-        rounding = np.empty(shape, np.float32) if "rounding" in channels else None
-        mode.render(radiance=out, rounding=rounding, threads=threads, cancel=cancel)
-        arrays: Arrays = {"radiance": out} if rounding is None else {"radiance": out, "rounding": rounding}
-        return {name: arrays[name] for name in channels}
+        dtype = np.float32 if precision == "float" else np.float64
+        radiance: npt.NDArray[Any] = np.empty(shape, dtype) if out is None else out
+        rounding: npt.NDArray[Any] | None = np.empty(shape, dtype) if "rounding" in channels else None
+        trace = mode.render if precision == "float" else mode.refine
+        trace(radiance=radiance, rounding=rounding, threads=threads, cancel=cancel)
+        arrays = {"radiance": radiance, "rounding": rounding}
+        return {name: array for name in channels if (array := arrays[name]) is not None}
 
     def evaluate(
         self,

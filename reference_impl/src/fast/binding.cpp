@@ -1,6 +1,9 @@
 #include "binding.h"
 
 #include <nanobind/ndarray.h>
+#include <nanobind/stl/optional.h>
+
+#include <optional>
 
 #include "float_mode.h"
 
@@ -9,7 +12,7 @@ namespace nb = nanobind;
 namespace equilux::fast {
 namespace {
 
-using Floats32 = nb::ndarray<float, nb::numpy, nb::c_contig, nb::device::cpu>;
+template <class T> using Array = nb::ndarray<T, nb::numpy, nb::c_contig, nb::device::cpu>;
 
 void (*finish_picture)(bool complete) = nullptr;
 
@@ -18,18 +21,24 @@ bool signal_pending() {
   return PyErr_CheckSignals() != 0;
 }
 
-float* data_of(const FloatMode& mode, const Floats32& array, const char* name) {
+template <class T> T* data_of(const FloatMode& mode, const Array<T>& array, const char* name) {
   if (array.size() != 3 * mode.pixels()) throw TracerError(std::string(name) + ": array of the wrong size");
   return array.data();
 }
 
-void render(const FloatMode& mode, const Floats32& radiance, const nb::object& rounding, int threads, const Cancel* cancel) {
-  float* const out = data_of(mode, radiance, "radiance");
-  float* const bound = rounding.is_none() ? nullptr : data_of(mode, nb::cast<Floats32>(rounding), "rounding");
+// float: by packets throughout; double: refined.
+template <class T>
+void render(const FloatMode& mode, const Array<T>& radiance, const std::optional<Array<T>>& rounding, int threads, const Cancel* cancel) {
+  T* const out = data_of(mode, radiance, "radiance");
+  T* const bound = rounding ? data_of(mode, *rounding, "rounding") : nullptr;
   bool complete;
   {
     const nb::gil_scoped_release release;
-    complete = mode.render(out, bound, threads, cancel, signal_pending);
+    if constexpr (sizeof(T) == sizeof(float)) {
+      complete = mode.render(out, bound, threads, cancel, signal_pending);
+    } else {
+      complete = mode.refine(out, bound, threads, cancel, signal_pending);
+    }
   }
   finish_picture(complete);
 }
@@ -56,7 +65,10 @@ void bind_float_mode(nb::module_& m, void (*finish)(bool complete)) {
           },
           nb::arg("world"), nb::arg("width") = 0, nb::keep_alive<1, 2>())
       .def_prop_ro("width", &FloatMode::width)
-      .def("render", &render, nb::kw_only(), nb::arg("radiance"), nb::arg("rounding").none(), nb::arg("threads"), nb::arg("cancel").none())
+      .def("render", &render<float>, nb::kw_only(), nb::arg("radiance"), nb::arg("rounding").none(), nb::arg("threads"),
+           nb::arg("cancel").none())
+      .def("refine", &render<double>, nb::kw_only(), nb::arg("radiance"), nb::arg("rounding").none(), nb::arg("threads"),
+           nb::arg("cancel").none())
       .def("traverse", &traverse, nb::kw_only(), nb::arg("threads"));
 }
 

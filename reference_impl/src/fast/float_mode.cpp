@@ -4,24 +4,10 @@
 #include <chrono>
 #include <new>
 
-#if defined(__SSE2__)
-#include <xmmintrin.h>
-#endif
+#include "flushed.h"
 
 namespace equilux::fast {
 namespace {
-
-// Numbers below 1e-38 count as 0 while this lives: they would cost a hundred times as much, and Embree asks for it.
-class FlushedToZero {
- public:
-#if defined(__SSE2__)
-  FlushedToZero() : before_(_mm_getcsr()) { _mm_setcsr(before_ | 0x8040); }
-  ~FlushedToZero() { _mm_setcsr(before_); }
-
- private:
-  unsigned before_;
-#endif
-};
 
 // Memory for a kernel's waiting rays, one per chunk of blocks.
 class Scratch {

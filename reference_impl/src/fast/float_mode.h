@@ -30,9 +30,9 @@ class FloatMode {
   // rendering, which shadow rays there are; that is not in the time. Secondary rays are not sent.
   TraversalTime traverse(int threads) const;
 
-  // Radiance and any other channel, as of the exact mode, but the eye's rays find their surface in float packets. Where the exact
-  // crossing contradicts that (at a silhouette), the exact search decides.
-  bool refine(const Outputs& outputs, int threads, const Cancel* cancel, const Interrupted& interrupted) const;
+  // The same in double, with the bound of the exact mode: the eye's rays find their surface in float packets, everything else is exact.
+  // Where the exact crossing contradicts the packet (at a silhouette), the exact search decides.
+  bool refine(double* radiance, double* rounding, int threads, const Cancel* cancel, const Interrupted& interrupted) const;
 
  private:
   void record_shadows(int threads) const;

@@ -178,8 +178,10 @@ template <int W> std::size_t block_count(const Tables& scene) {
 // Depth first, one taken and up to two put: never more than the limit and one.
 template <int W> std::size_t scratch_bytes(int recursion_limit) { return sizeof(Waiting<W>) * (static_cast<std::size_t>(recursion_limit) + 2); }
 
-// What is compiled: the 32 that scenes without secondary rays need, one with everything, and the same with the bound of its rounding.
+// What is compiled: the 32 that scenes without secondary rays need, one with everything, and two with the bound of the
+// rounding.
 template <int W> RenderBlocks choose(const FloatFeatures& needed, bool rounding) {
+  if (rounding && !needed.shadows && !needed.secondary) return render_blocks<Compiled<true, false, true, true, true, false, true>, W>;
   if (rounding) return render_blocks<Compiled<true, true, true, true, true, true, true>, W>;
   if (needed.secondary) return render_blocks<Compiled<true, true, true, true, true, true>, W>;
 #define EQUILUX_GEOMETRY(SPECULAR, SHADOWS, LAMPS)                                                                     \

@@ -94,7 +94,8 @@ template <int W> inline Floats<W> first_crossing(const Shape& shape, const float
   for (unsigned i = 0; i < count; ++i) taking[i] = valid[begin + i];
   const TwoCrossings<W> both = crossings<W>(shape, to_canonical<W>(shape, origin) + everywhere<W>(shape.shift), to_canonical<W>(shape, direction));
   const Floats<W> none = all_of<W>(__builtin_inff());
-  const Mask<W> first = (both.first > near) & (both.first <= far), second = (both.second > near) & (both.second <= far);
+  const auto ahead = [&](Floats<W> t) { return (t > near) & (t <= far) & (t < __builtin_inff()); };
+  const Mask<W> first = ahead(both.first), second = ahead(both.second);
   const Floats<W> t = first ? both.first : second ? both.second : none;
   return taking != 0 ? t : none;
 }
