@@ -28,6 +28,7 @@ class PovrayAdapter:
     workers_per_core: ClassVar[float] = 4.0  # a process takes 0.7 s and computes for 0.05 s of it (Q25)
     lack_causes: ClassVar[Mapping[str, str]] = {}
     dialect: ClassVar[Sequence[Declared]] = DIALECT
+    code_packages: ClassVar[tuple[str, ...]] = ("equilux_adapters._bounds",)
 
     def version(self) -> str:
         """POV-Ray's own version, "absent" when it is not installed. Asked once per executable."""

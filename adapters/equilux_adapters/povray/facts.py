@@ -8,7 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from equilux_adapters.povray import distances
+from equilux_adapters._bounds import distances
+from equilux_adapters._bounds.paths import BOUNDLESS, Paths, gain
 from equilux_adapters.povray.frame import Frame, view
 from equilux_adapters.povray.knobs import PovrayKnobs
 from equilux_adapters.povray.lights import Lamp
@@ -16,7 +17,7 @@ from equilux_adapters.povray.materials import Coefficients
 from equilux_adapters.povray.media import INDEX_STEP, Media, crossings
 from equilux_adapters.povray.meshes import OBLIQUE, mesh_accuracy
 from equilux_adapters.povray.textures import texture
-from equilux_adapters.povray.truncation import BOUNDLESS, Paths, Surface, below_weight, beyond_level, gain
+from equilux_adapters.povray.truncation import Surface, below_weight
 from equilux_scenes.case import Case
 from equilux_scenes.model import Plane
 from equilux_scenes.transforms import matrix
@@ -57,7 +58,7 @@ def facts(
         "sources": sum(lamp.sources for lamp in lights),
         "fading": max([lamp.relative for lamp in lights], default=0.0),
         "cancelled": min(float(np.sum([lamp.cancelled for lamp in lights])) * strength * passed * every_hit, BOUNDLESS),
-        "level_cut": beyond_level(paths, levels(case, knobs)),
+        "level_cut": paths.beyond(levels(case, knobs)),
         "weight_cut": below_weight(paths, knobs.adc_bailout),
         "film_px": frame.film_px,
         "meshes": meshes,

@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from equilux.adapter import Unsupported
-from equilux_adapters.povray import distances
+from equilux_adapters._bounds import distances
 from equilux_scenes.case import Case
 from equilux_scenes.model import Box, Camera, Object, PerspectiveCamera, Plane, Rectangle, Sphere
 from equilux_scenes.transforms import matrix, unit

@@ -8,7 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from equilux.adapter import Unsupported
-from equilux_adapters.povray import attenuation, distances
+from equilux_adapters._bounds import distances
+from equilux_adapters.povray import attenuation
 from equilux_adapters.povray.frame import Frame
 from equilux_adapters.povray.gl_lights import shown_light
 from equilux_adapters.povray.numbers import bands, number, vector

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from equilux.adapter import Unsupported
-from equilux_adapters.povray import distances
+from equilux_adapters._bounds import distances
 from equilux_adapters.povray.numbers import number
 from equilux_scenes.case import Case
 from equilux_scenes.mesh import TriangleMesh

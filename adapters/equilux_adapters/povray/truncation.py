@@ -1,26 +1,19 @@
-"""What a picture may lack where POV-Ray ends rays early: by their level (Q38) or by their weight (Q45). Bounds over the whole
-picture, W/(m²·sr).
-
-Where rays go is not asked: each may meet the worst surface at every bounce. A surface shows at most `local` itself and adds at
-most ω of what its secondary rays bring, so a ray with n bounces left brings at most C(n) = max over surfaces of
-local + ω C(n − 1).
-"""
+"""What a picture may lack where POV-Ray ends rays early by their weight (Q45): a bound over the whole picture, W/(m²·sr)."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
 
+from equilux_adapters._bounds.paths import BOUNDLESS, Paths
 from equilux_adapters.povray.materials import Coefficients
 from equilux_adapters.povray.numbers import grey
 from equilux_adapters.povray.textures import texture
 
-BOUNDLESS = 1e30  # where weights above 1 multiply beyond all use
 PER_OCTAVE = 16  # steps of weight that rays are followed in, rounded down
 
 Floats = npt.NDArray[np.float64]
@@ -32,6 +25,11 @@ class Surface:
 
     local: float
     material: Coefficients
+
+    @property
+    def onward(self) -> float:
+        """The most that a hit adds of what secondary rays bring."""
+        return self.material.onward
 
     def continued(self) -> Iterator[list[tuple[float, float]]]:
         """The sets of secondary rays that a hit may send: per ray, how much it counts and what POV-Ray takes that for.
@@ -47,51 +45,7 @@ class Surface:
             yield [(1.0, max(m.through))]
 
 
-@dataclass(frozen=True)
-class Paths:
-    """background: of rays that miss. bounces: how many the scene allows."""
-
-    surfaces: Sequence[Surface]
-    background: float
-    bounces: int
-
-    @cached_property
-    def onward(self) -> float:
-        """ω."""
-        return max([surface.material.onward for surface in self.surfaces], default=0.0)
-
-    @cached_property
-    def _brings(self) -> list[float]:
-        brings = [max([surface.local for surface in self.surfaces], default=0.0)]
-        for _ in range(self.bounces):
-            brings.append(max([s.local + s.material.onward * brings[-1] for s in self.surfaces], default=0.0))
-        return [min(max(most, self.background), BOUNDLESS) for most in brings]
-
-    def brings(self, bounces: int) -> float:
-        """C(n): the most that a ray brings which may bounce so often."""
-        return self._brings[bounces]
-
-
-def gain(onward: float, bounces: int) -> float:
-    """Σ_{j≤n} ωʲ: what one error bound per hit may add up to at the eye."""
-    total, power = 1.0, 1.0
-    for _ in range(bounces):
-        power = min(power * onward, BOUNDLESS)
-        total += power
-    return min(total, BOUNDLESS)
-
-
-def beyond_level(paths: Paths, level: int) -> float:
-    """What levels beyond `level` would add: all that lies `level` bounces deep or deeper."""
-    if level > paths.bounces:
-        return 0.0
-    weight = 1.0
-    for _ in range(level):
-        weight = min(weight * paths.onward, BOUNDLESS)
-    return min(weight * paths.brings(paths.bounces - level), BOUNDLESS)
-
-
-def below_weight(paths: Paths, bailout: float) -> float:
+def below_weight(paths: Paths[Surface], bailout: float) -> float:
     """What rays lighter than `bailout` would add, and what less than `bailout` of comes through the layers of a texture.
 
     F(n, w) is the most that is missing from a ray which POV-Ray gives the weight w and which has n bounces left, per unit of what
@@ -126,7 +80,7 @@ def _carried_on(missing: Floats, weight: float, bailout: float, brings: float) -
     return np.where((own < bailout * (1 + 1e-6)) | (index >= len(missing)), brings, np.minimum(within, brings))
 
 
-def _of_layers(paths: Paths, surface: Surface, bailout: float, left: int) -> float:
+def _of_layers(paths: Paths[Surface], surface: Surface, bailout: float, left: int) -> float:
     """What one hit lacks because layers, or what passes all of them, are not looked at."""
     material, onward = surface.material, paths.brings(left - 1) if left else 0.0
     if texture(material).dimmest <= bailout:

@@ -21,7 +21,7 @@ class ReferenceAdapter:
     Knobs: ClassVar[type[Knobs]] = ReferenceKnobs
     workers_per_core: ClassVar[float] = 1.0
     lack_causes: ClassVar[Mapping[str, str]] = {}
-    code_packages: ClassVar[tuple[str, ...]] = ("equilux_tracer",)
+    code_packages: ClassVar[tuple[str, ...]] = ("equilux_tracer", "equilux_adapters._bounds", "equilux_adapters._triangles")
     """Whose code has a part in the picture, besides this package's: a change there makes stored renders stale."""
 
     def version(self) -> str:
@@ -43,7 +43,7 @@ class ReferenceAdapter:
         """Scene → the scene as JSON, and its meshes as arrays."""
         from equilux_adapters.reference.translate import translate
 
-        return translate(case)
+        return translate(case, knobs)
 
     def render(self, program: Program, program_dir: Path, workdir: Path, limits: Limits, knobs: ReferenceKnobs) -> RawRender:
         """Trace it in this process."""
@@ -55,7 +55,7 @@ class ReferenceAdapter:
         """The float64 image and its budget."""
         from equilux_adapters.reference.read import read
 
-        return read(raw)
+        return read(raw, program)
 
 
 ADAPTER = ReferenceAdapter()

@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Mapping
+from typing import Any
+
 import numpy as np
 
-from equilux.adapter import Bound, Budget, RawRender, Reading
+from equilux.adapter import Bound, Budget, Geometric, Program, RawRender, Reading
+from equilux.budget import Term
 
 NO_DIGIT = 1e30
 """W/(m²·sr). Between curved mirrors a bound grows with every bounce, beyond all numbers in the end: it then says nothing, and
 this stands for it, because a budget holds finite numbers only."""
 
 
-def read(raw: RawRender) -> Reading:
+def read(raw: RawRender, program: Program) -> Reading:
     """(h, w, 3) float64, row 0 on top: nothing is rounded on the way."""
     image = np.load(raw.files["radiance"], allow_pickle=False)
     rounding = np.load(raw.files["rounding"], allow_pickle=False)
@@ -24,15 +28,27 @@ def read(raw: RawRender) -> Reading:
         abs=np.where(lost, NO_DIGIT, rounding),
     )
     error = np.load(raw.files["quadrature"], allow_pickle=False)
+    terms = (arithmetic, *_of_knobs(program.data))
     if not error.any():
-        return Reading(image, Budget((arithmetic,)))
+        return Reading(image, Budget(terms))
     quadrature = Bound(
         "quadrature",
         "error of the integrals over extended emitters, per pixel: estimated from the decay of each panel's Legendre "
         "coefficients, added up without regard to sign (reference_impl/src/quadrature.h)",
         abs=error,
     )
-    return Reading(image, Budget((arithmetic, quadrature)))
+    return Reading(image, Budget((*terms, quadrature)))
+
+
+def _of_knobs(facts: Mapping[str, Any]) -> Iterator[Term]:
+    """What is left out for speed."""
+    if "missing" in facts:
+        reason = f"what more than {facts['depth']} bounces would bring: the largest weights of so many surfaces"
+        yield Bound("recursion cut", reason, abs=facts["missing"])
+    if "facets" in facts:
+        normal, position = ({int(index): by for index, by in facts["facets"][key].items()} for key in ("normal", "position_m"))
+        reason = "flat facets in place of round surfaces"
+        yield Geometric("facets", reason, normal=normal, position_m=position, film_px=facts["facets"]["film_px"])
 
 
 def _said_of_lost(pixels: int) -> str:

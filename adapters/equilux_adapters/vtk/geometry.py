@@ -5,13 +5,14 @@ from __future__ import annotations
 from typing import Any
 
 from equilux.adapter import Case
+from equilux_adapters._triangles import bounds_round
 from equilux_adapters._triangles.bounds import Bounds, largest_factor, view_of
 from equilux_adapters._triangles.displaced import light_reach
 from equilux_adapters._triangles.drawing import build
 from equilux_adapters._triangles.extent import enclosure
 from equilux_adapters._triangles.round import film_scale
 from equilux_adapters._triangles.view import View
-from equilux_adapters.vtk import bounds_flat, bounds_round
+from equilux_adapters.vtk import bounds_flat
 from equilux_adapters.vtk.knobs import VtkKnobs
 from equilux_scenes.model import Cylinder, Disc, Sphere, SpotLight
 from equilux_scenes.transforms import matrix

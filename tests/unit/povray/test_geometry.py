@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from equilux_adapters.povray import distances
+from equilux_adapters._bounds import distances
 from equilux_adapters.povray.meshes import LEAST_SMOOTH, mesh_accuracy, smooth_normals, stuck_faces
 from equilux_scenes.mesh import TriangleMesh
 from support.povray import case_of_text
