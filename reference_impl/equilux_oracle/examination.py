@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
 
 from equilux_oracle.doubledouble import Array
-from equilux_scenes.model import Film
+from equilux_scenes.model import Film, Scene
 
 SLICE = 8192
 """Rays at once: the temporaries of one double-double product then stay in a core's cache."""
@@ -28,6 +28,16 @@ class Examination:
     scale: Array
     facing: Array
     object_id: npt.NDArray[np.int64]
+
+    def completed(self, scene: Scene) -> Examination:
+        """With what the ends of double's range do: where radiance overflows it is Inf, and its bound too; below the smallest
+        normal double, 2^-1022, each of a light's few products may lose 2^-1075 more, at every surface of a path."""
+        coefficients = [sum(map(max, (m.diffuse, m.specular, m.ambient))) for m in scene.materials.values()]
+        surfaces = 2.0 ** min(scene.recursion_limit, 60) if scene.model == "raytraced" else 1.0
+        lost = 8 * 2.0**-1074 * (len(scene.delta_lights) + 1) * (1 + max(coefficients, default=0.0)) * surfaces
+        held = np.isfinite(self.radiance)
+        bound = np.where(held & ~np.isnan(self.bound), self.bound + lost, np.inf)
+        return replace(self, radiance=np.where(held, self.radiance, np.inf), bound=bound)
 
 
 def pixel_centers(film: Film) -> Array:

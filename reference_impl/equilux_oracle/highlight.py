@@ -76,11 +76,12 @@ def passed(normal: DD, to_light: DD, to_viewer: DD, exponent: Array, eta: DD) ->
 def refracted(direction: DD, normal: DD, eta: DD) -> tuple[DD, Bools]:
     """A unit direction refracted by Snell's law to the side that `normal` points to, and where it is not but totally reflected.
 
-    eta: the index that it comes from over the one it goes to. Along the tangent, sin θ' = η sin θ; T = η d + (√(1 − s²) − η c) N.
+    eta: the index that it comes from over the one it goes to. The tangential part t = d − c N grows η-fold, and
+    T = η t + √(1 − η² t²) N; taken from 1 − c² it would lose η² digits.
     """
-    c = dot(normal, direction)
-    s2 = eta * eta * (1.0 - c * c)
-    return direction * eta + normal * ((1.0 - s2).sqrt() - eta * c), s2.hi > 1.0
+    along = (direction - normal * dot(normal, direction)) * eta
+    s2 = dot(along, along)
+    return along + normal * (1.0 - s2).sqrt(), s2.hi > 1.0
 
 
 def _power_between(a: DD, b: DD, exponent: Array) -> Array:

@@ -22,18 +22,25 @@ class Arriving:
     """For n points: the vector to the light (not unit), the bands E_i (3, n), and a bound on E's relative error in units of u.
 
     The vector comes in double-double, its leading part being the exact vector rounded once. feels: how much the direction of the
-    light matters to E, |d ln E / dθ| (n,).
+    light matters to E, |d ln E / dθ| (n,). doubt: below what a cosine to the light is nothing but rounding, (n,).
     """
 
     to_light: DD
     value: Array
     error: Array
     feels: Array
+    doubt: Array
 
 
 FROM_POINTS = 9.0
 """Bound, in u, on the relative error of I / (d_c + d_l r + d_q r²): rounding of the vector's components 1 each, their squares'
 sum 3 (r² has 5 in all, r 3.5), product with d_q 1, two sums 2, quotient 1."""
+
+
+_SHRINK = 2.0**-600
+
+NOTHING = 2.0**-85
+"""Where a light lies in a surface's own plane, double-double leaves a cosine below this: it is not in front of it."""
 
 
 def arriving(light: DeltaLight, eye: tuple[float, float, float]) -> Callable[[DD], Arriving]:
@@ -50,7 +57,8 @@ def _directional(light: DirectionalLight) -> Callable[[DD], Arriving]:
 
     def at(point: DD) -> Arriving:
         count = point.hi.shape[1]
-        return Arriving(each_ray(to_light, count), np.broadcast_to(bands, (3, count)), np.zeros(count), np.zeros(count))
+        nothing = np.zeros(count)
+        return Arriving(each_ray(to_light, count), np.broadcast_to(bands, (3, count)), nothing, nothing, np.full(count, NOTHING))
 
     return at
 
@@ -62,7 +70,7 @@ def _point(light: PointLight, eye: tuple[float, float, float]) -> Callable[[DD],
         to_light = position - point
         count = point.hi.shape[1]
         value = weakened(bands, light.attenuation, to_light.hi)
-        return Arriving(to_light, value, np.full(count, FROM_POINTS), np.zeros(count))
+        return Arriving(to_light, value, np.full(count, FROM_POINTS), np.zeros(count), _doubt(point, to_light))
 
     return at
 
@@ -77,17 +85,39 @@ def _spot(light: SpotLight, eye: tuple[float, float, float]) -> Callable[[DD], A
         factor, error = spot_factor(cosine, edge, light.exponent)
         value = weakened(bands, light.attenuation, to_light.hi) * factor
         flank = light.exponent * np.sqrt(np.maximum(np.where(factor > 0.0, cosine.hi, 1.0) ** -2.0 - 1.0, 0.0))
-        return Arriving(to_light, value, FROM_POINTS + 1 + error, flank)
+        return Arriving(to_light, value, FROM_POINTS + 1 + error, flank, _doubt(point, to_light))
 
     return at
+
+
+def cosine_to_light(normal: DD, light: Arriving) -> Array:
+    """N·L (n,), to its own last digits: where it is small, in double-double; 0 where that leaves nothing; NaN at the light."""
+    w = light.to_light.hi
+    with np.errstate(invalid="ignore", divide="ignore"):
+        length = np.sqrt(np.sum(w**2, axis=0))
+        cosine: Array = np.sum(normal.hi * (w / length), axis=0)
+        small = np.flatnonzero(np.abs(cosine) < 2.0**-10)
+        if len(small):
+            exact = dot(normal[:, small], light.to_light[:, small]).hi / length[small]
+            cosine[small] = np.where(np.abs(exact) > light.doubt[small], exact, 0.0)
+    return cosine
+
+
+def _doubt(point: DD, to_light: DD) -> Array:
+    with np.errstate(divide="ignore", invalid="ignore"):
+        farther: Array = np.max(np.abs(point.hi), axis=0) / np.sqrt(np.sum(to_light.hi**2, axis=0))
+    return NOTHING * (1.0 + farther)
 
 
 def weakened(bands: Array, law: Attenuation, to_light: Array) -> Array:
     """I / (d_c + d_l r + d_q r²) for bands (3, 1) and vectors (3, n); Inf at the light itself, where nothing is added."""
     r2 = np.sum(to_light**2, axis=0)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        value: Array = bands / (law.constant + law.linear * np.sqrt(r2) + law.quadratic * r2)
-    return value
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        r = np.sqrt(r2)
+        whole: Array = law.constant + law.linear * r + law.quadratic * r2
+        # A sum beyond all doubles may still leave something of a strong light.
+        shrunk: Array = law.constant * _SHRINK + law.linear * _SHRINK * r + law.quadratic * _SHRINK * r2
+        return np.where(np.isinf(whole), bands / shrunk * _SHRINK, bands / whole)
 
 
 def spot_factor(cosine: DD, edge: DD, exponent: float) -> tuple[Array, Array]:

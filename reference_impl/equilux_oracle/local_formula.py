@@ -10,7 +10,8 @@ double. Sums over lights are compensated, so that sixty-four lights cost no more
 
 The bound, with u = 2^-53, adds in first order (and a tenth more for the rest):
 - K_emit + K_amb L_amb: product and sum, 2 u of the sum;
-- diffuse of light i: E's own error e_i, N·L 9.5 absolute, two products: (e_i + 12) u E_i K_diff;
+- diffuse of light i: E's own error e_i, N·L 9.5 absolute (below 2^-10 it is taken from the double-doubles, which leaves relative
+  ones), two products: (e_i + 12) u E_i K_diff;
 - highlight of light i: e_i, two products, the power's own exp and log1p 4 (x exp(−x) ≤ 0.37 tames what p multiplies), and what
   the directions are off: (e_i + 6 + 34 s(p)) u E_i K_spec, s(p) of highlight.py (34 for R, 4 for H and T);
 - the last sum: u |L|.
@@ -26,7 +27,7 @@ import numpy.typing as npt
 
 from equilux_oracle.doubledouble import DD, Array, Index
 from equilux_oracle.highlight import Highlight, sensitivity
-from equilux_oracle.lights import Arriving
+from equilux_oracle.lights import Arriving, cosine_to_light
 from equilux_scenes.model import Material
 
 Lit: TypeAlias = tuple[npt.NDArray[np.intp], Array]
@@ -94,9 +95,7 @@ def shade(here: Surface, normal: DD, light: Arriving, highlight: Highlight, dire
 
     directions: bound, in u, on the error of the directions that the highlight compares.
     """
-    n, w = normal.hi, light.to_light.hi
-    with np.errstate(invalid="ignore", divide="ignore"):  # a light exactly at the point has no direction, and adds nothing
-        cosine = np.sum(n * (w / np.sqrt(np.sum(w**2, axis=0))), axis=0)
+    cosine = cosine_to_light(normal, light)
     lit = np.flatnonzero((cosine > 0.0) & np.any(light.value > 0.0, axis=0))
     if len(lit) == 0:
         return lit, np.zeros(0)

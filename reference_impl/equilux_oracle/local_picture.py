@@ -10,68 +10,86 @@ is that which the camera's ray meets, whatever V is.
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
 
 import numpy as np
 import numpy.typing as npt
 
-from equilux_oracle.camera import camera_frame, film_rays
+from equilux_oracle.camera import Rays, camera_frame, film_rays
 from equilux_oracle.doubledouble import DD, Array, dot, unit
 from equilux_oracle.examination import SLICE, Examination
 from equilux_oracle.highlight import MIRRORED, ROUNDED_ONCE, halfway, mirrored
 from equilux_oracle.lights import Arriving, arriving
 from equilux_oracle.local_formula import Shading, Surface, shade, surface
+from equilux_oracle.ray_errors import RayError, SurfaceError, at_surface, felt
 from equilux_oracle.shapes.crossing import each_ray
-from equilux_oracle.visibility import Body, Visible, bodies, first_seen
+from equilux_oracle.visibility import Visible, first_seen
+from equilux_oracle.world import World, world_of
 from equilux_scenes.case import Case
 from equilux_scenes.model import DeltaLight, Scene
 
 
 def examine_local(case: Case, positions: Array) -> Examination:
     """Film positions (n, 2) of a scene without meshes."""
-    objects = bodies(case.scene)
+    world = world_of(case.scene)
     # At least one slice, so that no positions give empty arrays of the right shape.
     starts = range(0, max(len(positions), 1), SLICE)
-    parts = [_examine_slice(case.scene, objects, positions[start : start + SLICE]) for start in starts]
+    parts = [_examine_slice(case.scene, world, positions[start : start + SLICE]) for start in starts]
     return Examination(*(np.concatenate(arrays) for arrays in zip(*parts, strict=True)))
 
 
 def _examine_slice(
-    scene: Scene, objects: list[Body], positions: Array
+    scene: Scene, world: World, positions: Array
 ) -> tuple[Array, Array, Array, Array, npt.NDArray[np.int64]]:
     rays = film_rays(scene.camera, scene.film, positions)
-    seen = first_seen(objects, rays, math.hypot(*scene.camera.eye) / np.linalg.norm(rays.direction.hi, axis=0))
+    spread = np.linalg.norm(rays.direction.hi, axis=0)
+    seen = first_seen(world.objects, rays, world.eye_distance / spread)
     hit = np.flatnonzero(seen.object_id >= 0)
     value, bound, scale = np.tile(np.asarray(scene.background), (len(positions), 1)), *np.zeros((2, len(positions), 3))
     facing = np.ones(len(positions))
     if len(hit):
-        for whole, part in zip((value, bound, scale), _shade_all(scene, seen, hit), strict=True):
-            whole[hit] = part.T
         facing[hit] = dot(seen.normal[:, hit], seen.to_viewer[:, hit]).hi
+        distance = seen.t[hit] * np.broadcast_to(spread, (len(positions),))[hit]
+        off = _off_by(world, rays, seen.object_id[hit], distance, facing[hit])
+        for whole, part in zip((value, bound, scale), _shade_all(scene, seen, hit, off), strict=True):
+            whole[hit] = part.T
+    bound[seen.undecided] = np.inf
     return value, bound, scale, facing, seen.object_id
 
 
-def _shade_all(scene: Scene, seen: Visible, hit: npt.NDArray[np.intp]) -> tuple[Array, Array, Array]:
+def _off_by(world: World, rays: Rays, object_id: npt.NDArray[np.int64], distance: Array, facing: Array) -> SurfaceError:
+    """How far double-double geometry is off where camera rays meet the objects: nothing, unless lengths are 2^40 apart."""
+    aside = np.sqrt(np.sum(rays.offset.hi**2, axis=0)).max()
+    camera = RayError.of_camera(np.full(len(object_id), world.eye_distance + aside))
+    size = world.size[object_id] + aside + distance
+    return at_surface(camera, distance, facing, size, world.curvature[object_id], world.stretch[object_id])
+
+
+def _shade_all(
+    scene: Scene, seen: Visible, hit: npt.NDArray[np.intp], off: SurfaceError
+) -> tuple[Array, Array, Array]:
     names = list(scene.materials)
     material_of = np.asarray([names.index(shape.material) for shape in scene.objects])
     here = surface(list(scene.materials.values()), material_of[seen.object_id[hit]], scene.ambient)
     normal, to_viewer, point = seen.normal[:, hit], seen.to_viewer[:, hit], seen.point[:, hit]
     if scene.model == "opengl":
         to_viewer = _fixed_function_viewer(scene, point)
-    shading, scale = Shading.begin(here), here.constant.copy()
+    shading, scale, by_geometry = Shading.begin(here), here.constant.copy(), np.zeros_like(here.constant)
     for light in scene.delta_lights.values():
         arrives = arriving(light, scene.camera.eye)(point)
         if scene.model == "opengl":
             lit_by = _ambient_share(here, light, arrives, shading, scale)
             highlight = halfway(normal, arrives.to_light, to_viewer, here.exponent)
             # The products with the light's colours round once more.
-            shade(lit_by, normal, replace(arrives, error=arrives.error + 1.0), highlight, ROUNDED_ONCE, shading)
+            lit, power = shade(lit_by, normal, replace(arrives, error=arrives.error + 1.0), highlight, ROUNDED_ONCE, shading)
         else:
             lit_by = here
-            shade(here, normal, arrives, mirrored(normal, arrives.to_light, to_viewer, here.exponent), MIRRORED, shading)
+            highlight = mirrored(normal, arrives.to_light, to_viewer, here.exponent)
+            lit, power = shade(here, normal, arrives, highlight, MIRRORED, shading)
+        by_geometry[:, lit] += felt(lit_by, arrives, lit, power, off, 1.0)
         scale += arrives.value * (lit_by.diffuse + lit_by.specular)
-    return *shading.finish(), scale
+    radiance, bound = shading.finish()
+    return radiance, bound + by_geometry, scale
 
 
 def _fixed_function_viewer(scene: Scene, point: DD) -> DD:

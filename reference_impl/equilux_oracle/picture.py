@@ -76,6 +76,11 @@ def examine(case: Case, film_xy: npt.ArrayLike) -> Examination:
     if missing:
         raise ValueError(f"{case.name}: no closed form for {', '.join(sorted(missing))} ({'; '.join(set(missing.values()))})")
     positions = np.asarray(film_xy, dtype=np.float64).reshape(-1, 2)
+    with np.errstate(over="ignore", invalid="ignore", divide="ignore", under="ignore"):
+        return _examine(case, positions).completed(case.scene)
+
+
+def _examine(case: Case, positions: Array) -> Examination:
     if case.scene.model == "reflection-equation":
         from equilux_oracle import emitters
 

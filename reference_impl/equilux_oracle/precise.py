@@ -3,8 +3,8 @@
 Written apart from the rest of the package and without any of its care: world-space textbook formulas, the mirror direction as
 R = 2 (N·L) N − L, the cosine as R·V, every object tried, in mpmath. What it takes from elsewhere is the scene and the
 object-to-world matrix (whose doubles are the definition). It is what the fast oracle and the tracer are checked against. Fifty
-digits are many for scenes of ordinary size; textbook formulas lose twice the decades between the largest and the smallest length of
-a scene, so that the extremes ask for more (`digits`).
+digits are many for scenes of ordinary size; textbook formulas lose twice the decades between the largest and the smallest
+length of a scene, so that the extremes ask for more (`digits`).
 """
 
 from __future__ import annotations

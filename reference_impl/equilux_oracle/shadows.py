@@ -8,11 +8,14 @@ band, by t k_trans, or does nothing where transparent objects cast no shadows. T
 from __future__ import annotations
 
 import numpy as np
+import numpy.typing as npt
 
 from equilux_oracle.camera import Rays
-from equilux_oracle.doubledouble import DD, Array
+from equilux_oracle.doubledouble import DD, Array, Bools
 from equilux_oracle.visibility import TIE, Body
 from equilux_scenes.model import Scene
+
+Indices = npt.NDArray[np.int64]
 
 ROUNDINGS = 4.0
 """Of one object's factor, in u: t k_trans once, its square once more for both factors, the product with the rest."""
@@ -29,14 +32,23 @@ def share_per_crossing(scene: Scene) -> Array:
 
 
 def let_through(
-    objects: list[Body], shares: Array, point: DD, to_light: DD, eye_distance: float, *, finite: bool
-) -> tuple[Array, Array]:
-    """τ (3, n) at points relative to the eye, and a bound on its relative error in u, (n,).
+    objects: list[Body],
+    shares: Array,
+    point: DD,
+    to_light: DD,
+    eye_distance: float,
+    left: Indices | None = None,
+    *,
+    finite: bool,
+) -> tuple[Array, Array, Bools]:
+    """τ (3, n) at points relative to the eye, a bound on its relative error in u, and where it hangs on how coincidence is
+    defined, (n,) each.
 
-    to_light: vectors to the light, which is at their ends if `finite`, else at infinity.
+    to_light: vectors to the light, which is at their ends if `finite`, else at infinity. left: the objects that the points are
+    on.
     """
     count = point.hi.shape[1]
-    tau, error = np.ones((3, count)), np.zeros(count)
+    tau, error, undecided = np.ones((3, count)), np.zeros(count), np.zeros(count, dtype=bool)
     length = np.sqrt(np.sum(to_light.hi**2, axis=0))
     coordinates = eye_distance + np.sqrt(np.sum(point.hi**2, axis=0))
     start = TIE * coordinates / length
@@ -51,8 +63,11 @@ def let_through(
         near = open_ways[objects[index].passes(rays[open_ways], start[open_ways], end[open_ways])]
         if len(near) == 0:
             continue
-        number = objects[index].meet(rays[near]).number_between(start[near], end[near])
+        meeting = objects[index].meet(rays[near])
+        number = meeting.number_between(start[near], end[near])
+        own = np.zeros(len(near), dtype=bool) if left is None else left[near] == index
+        undecided[near] |= meeting.close_to(start[near], own)
         tau[:, near] *= share[:, np.newaxis] ** number
         error[near] += ROUNDINGS * (number > 0.0)
         open_ways = open_ways[np.any(tau[:, open_ways] > 0.0, axis=0)]
-    return tau, error
+    return tau, error, undecided

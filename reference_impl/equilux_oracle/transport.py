@@ -26,12 +26,12 @@ from equilux_oracle.camera import Rays, film_rays
 from equilux_oracle.doubledouble import DD, Array, Bools, Index, dot, unit
 from equilux_oracle.examination import SLICE, Examination
 from equilux_oracle.highlight import MIRRORED, ROUNDED_ONCE, mirrored, passed, refracted
-from equilux_oracle.lights import Arriving, arriving
+from equilux_oracle.lights import Arriving, arriving, cosine_to_light
 from equilux_oracle.local_formula import Shading, Surface, shade, surface
 from equilux_oracle.ray_errors import RayError, SurfaceError, at_surface, bending, felt
 from equilux_oracle.shadows import let_through
 from equilux_oracle.shapes.crossing import each_ray
-from equilux_oracle.visibility import TIE, Visible, first_seen
+from equilux_oracle.visibility import NOTHING_LEFT, TIE, Visible, first_seen
 from equilux_oracle.wave import Indices, Sums, Wave, together
 from equilux_oracle.world import World, world_of
 from equilux_scenes.case import Case
@@ -88,13 +88,15 @@ def from_eye(world: World, positions: Array) -> Wave:
     rays, count = film_rays(world.scene.camera, world.scene.film, positions), len(positions)
     rays = Rays(each_ray(rays.offset, count), each_ray(unit(rays.direction), count), count)
     coordinates = world.eye_distance + _length(rays.offset)
-    return Wave(np.arange(count), rays, np.ones((3, count)), np.zeros(count), RayError.of_camera(coordinates))
+    error, left = RayError.of_camera(coordinates), np.full(count, NOTHING_LEFT)
+    return Wave(np.arange(count), rays, np.ones((3, count)), np.zeros(count), error, left)
 
 
 def meet(world: World, wave: Wave, sums: Sums, generation: int) -> tuple[Visible, list[Wave]]:
     """Add what the rays see to the sums; return it, and the rays that go on from there."""
     coordinates = world.eye_distance + (_length(wave.rays.offset) if generation else 0.0)
-    seen = first_seen(world.objects, wave.rays, coordinates, TIE * coordinates if generation else 0.0)
+    seen = first_seen(world.objects, wave.rays, coordinates, TIE * coordinates if generation else 0.0, wave.left)
+    sums.doubt(wave.position[seen.undecided])
     missed = wave[np.flatnonzero(seen.object_id < 0)]
     if len(missed) and any(world.scene.background):
         shown = np.broadcast_to(np.asarray(world.scene.background).reshape(3, 1), missed.weight.shape)
@@ -105,13 +107,17 @@ def meet(world: World, wave: Wave, sums: Sums, generation: int) -> tuple[Visible
     arriving_wave = wave[hit]
     met = _met_by(world, seen, hit, arriving_wave)
     sums.add(arriving_wave, *_shade(world, met))
+    sums.doubt(arriving_wave.position[met.undecided])
     last = generation >= world.scene.recursion_limit
     return seen, [] if last else list(_onward(world, met, arriving_wave))
 
 
 @dataclass(frozen=True)
 class Met:
-    """Surfaces that n rays have met: object (n,), geometry as in Visible, indices on both sides of N (n,), and errors."""
+    """Surfaces that n rays have met: object (n,), geometry as in Visible, indices on both sides of N (n,), and errors.
+
+    undecided: where the shadows turn out to hang on how coincidence is defined, (n,); `_shade` fills it in.
+    """
 
     object_id: Indices
     point: DD
@@ -121,6 +127,7 @@ class Met:
     n_front: DD
     n_behind: DD
     off: SurfaceError
+    undecided: Bools
 
 
 def _met_by(world: World, seen: Visible, hit: Index, wave: Wave) -> Met:
@@ -130,7 +137,8 @@ def _met_by(world: World, seen: Visible, hit: Index, wave: Wave) -> Met:
     size = world.size[object_id] + _length(wave.rays.offset) + seen.t[hit]
     off = at_surface(wave.error, seen.t[hit], facing.hi, size, world.curvature[object_id], world.stretch[object_id])
     n_front, n_behind = DD(np.where(outside, 1.0, ior)), DD(np.where(outside, ior, 1.0))
-    return Met(object_id, seen.point[:, hit], normal, to_viewer, facing, n_front, n_behind, off)
+    undecided = np.zeros(len(object_id), dtype=bool)
+    return Met(object_id, seen.point[:, hit], normal, to_viewer, facing, n_front, n_behind, off, undecided)
 
 
 def _shade(world: World, met: Met) -> tuple[Array, Array, Array]:
@@ -142,8 +150,7 @@ def _shade(world: World, met: Met) -> tuple[Array, Array, Array]:
     eta = met.n_behind / met.n_front
     for light in scene.delta_lights.values():
         reaching = arriving(light, scene.camera.eye)(met.point)
-        with np.errstate(invalid="ignore", divide="ignore"):
-            side = np.sum(met.normal.hi * reaching.to_light.hi, axis=0)
+        side = cosine_to_light(met.normal, reaching)
         matters = _coefficients(front) & (side > 0.0) | _coefficients(behind) & (side < 0.0)
         scale += np.where(matters, reaching.value * _sum_of(front, behind, side), 0.0)
         finite = not isinstance(light, DirectionalLight)
@@ -179,10 +186,14 @@ def _shadowed(world: World, met: Met, light: Arriving, where_asked: Indices, *, 
     value, error = np.zeros_like(light.value), light.error + 3.0
     if len(where_asked):
         point, to_light = met.point[:, where_asked], light.to_light[:, where_asked]
-        tau, tau_error = let_through(world.objects, world.shares, point, to_light, world.eye_distance, finite=finite)
+        left = met.object_id[where_asked]
+        tau, tau_error, doubtful = let_through(
+            world.objects, world.shares, point, to_light, world.eye_distance, left, finite=finite
+        )
+        met.undecided[where_asked] |= doubtful
         value[:, where_asked] = light.value[:, where_asked] * tau
         error[where_asked] += tau_error
-    return Arriving(light.to_light, value, error, light.feels)
+    return replace(light, value=value, error=error)
 
 
 def _bent(met: Met, light: Arriving, lit: Index, eta: DD) -> Array:
@@ -216,13 +227,15 @@ def _onward(world: World, met: Met, wave: Wave) -> Iterator[Wave]:
                 weight[:, go],
                 wave.weight_error[at] + WEIGHT,
                 error,
+                object_id[at],
             )
     go = np.flatnonzero(np.any(mirror_weight > 0.0, axis=0))
     if len(go):
         normal, to_viewer = met.normal[:, go], met.to_viewer[:, go]
         direction = normal * (met.facing[go] * 2.0) - to_viewer
         rays = Rays(met.point[:, go], direction, len(go))
-        yield Wave(wave.position[go], rays, mirror_weight[:, go], wave.weight_error[go] + WEIGHT, _of(met.off, go).mirrored())
+        error = _of(met.off, go).mirrored()
+        yield Wave(wave.position[go], rays, mirror_weight[:, go], wave.weight_error[go] + WEIGHT, error, object_id[go])
 
 
 def _of(off: SurfaceError, index: Index) -> SurfaceError:

@@ -8,6 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
 
 from equilux_oracle.camera import Rays
 from equilux_oracle.doubledouble import DD, Array, Bools, Index, dot, unit, where
@@ -29,7 +30,7 @@ class Visible:
     """For n rays: the object's index (−1: none), the point relative to the eye, N on the viewer's side, and V; both unit.
 
     outside: whether the viewer's side is that of the outward normal. t: the ray's parameter at the point; both (n,), and
-    arbitrary where there is none.
+    arbitrary where there is none. undecided: which object is met hangs on how exactly TIE is read, (n,).
     """
 
     object_id: np.ndarray[tuple[int], np.dtype[np.int64]]
@@ -38,6 +39,7 @@ class Visible:
     to_viewer: DD
     outside: Bools
     t: Array
+    undecided: Bools
 
 
 @dataclass(frozen=True)
@@ -86,8 +88,18 @@ def bodies(scene: Scene) -> list[Body]:
     return result
 
 
-def first_seen(objects: list[Body], rays: Rays, coordinates: Array | float, start: Array | float = 0.0) -> Visible:
-    """The visible point of each ray beyond the parameter `start`.
+NOTHING_LEFT = -1
+"""The object that a camera's ray leaves."""
+
+
+def first_seen(
+    objects: list[Body],
+    rays: Rays,
+    coordinates: Array | float,
+    start: Array | float = 0.0,
+    left: npt.NDArray[np.int64] | None = None,
+) -> Visible:
+    """The visible point of each ray beyond the parameter `start`; the rays begin on the objects `left`, if anywhere.
 
     coordinates: how large the numbers are of which the ray's line is made, in units of its parameter; it says how finely the
     scene is rounded.
@@ -95,30 +107,37 @@ def first_seen(objects: list[Body], rays: Rays, coordinates: Array | float, star
     object_id = np.full(rays.count, -1)
     t, normal = DD(np.full(rays.count, np.inf)), DD(np.zeros((3, rays.count)))
     coordinates, start = (np.broadcast_to(value, (rays.count,)) for value in (coordinates, start))
+    left = np.full(rays.count, NOTHING_LEFT) if left is None else left
+    undecided, at_start = np.zeros((2, rays.count), dtype=bool)
     # A ray that misses leaves Inf and NaN behind in quantities that only hits use.
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
         for index, body in enumerate(objects):
             near = np.flatnonzero(body.passes(rays, start, t.hi))
             if len(near) == 0:
                 continue
-            crossing = body.meet(rays[near]).first(start[near])
-            nearer = crossing.hit & ((object_id[near] < 0) | ((t[near] - crossing.t).hi > TIE * (coordinates[near] + t.hi[near])))
+            meeting = body.meet(rays[near])
+            crossing = meeting.first(start[near])
+            at_start[near] |= meeting.close_to(start[near], left[near] == index)
+            apart, tie = (t[near] - crossing.t).hi, TIE * (coordinates[near] + t.hi[near])
+            nearer = crossing.hit & ((object_id[near] < 0) | (apart > tie))
+            close = crossing.hit & (np.abs(apart) > 0.5 * tie) & (np.abs(apart) < 4.0 * tie)
             chosen = near[nearer]
+            undecided[near] = close | (undecided[near] & ~nearer)
             object_id[chosen] = index
             _assign(t, chosen, crossing.t[nearer])
             _assign(normal, np.s_[:, chosen], each_ray(body.placement.normal_to_world(crossing.normal[:, nearer]), len(chosen)))
-    return _seen(object_id, rays, t, normal)
+    return _seen(object_id, rays, t, normal, undecided | at_start)
 
 
 def _assign(target: DD, index: Index, value: DD) -> None:
     target.hi[index], target.lo[index] = value.hi, value.lo
 
 
-def _seen(object_id: np.ndarray[tuple[int], np.dtype[np.int64]], rays: Rays, t: DD, normal: DD) -> Visible:
+def _seen(object_id: np.ndarray[tuple[int], np.dtype[np.int64]], rays: Rays, t: DD, normal: DD, undecided: Bools) -> Visible:
     """Points, normals turned to the viewer, and V; arbitrary finite values where nothing was hit."""
     hit = object_id >= 0
     depth = where(hit, t, DD(1.0))
     normal = where(hit, normal, DD(np.ones((3, 1))))
     from_behind = dot(normal, rays.direction).hi > 0.0
     point, to_viewer = rays.offset + rays.direction * depth, each_ray(unit(-rays.direction), rays.count)
-    return Visible(object_id, point, unit(where(from_behind, -normal, normal)), to_viewer, ~from_behind, depth.hi)
+    return Visible(object_id, point, unit(where(from_behind, -normal, normal)), to_viewer, ~from_behind, depth.hi, undecided)

@@ -14,7 +14,7 @@ import numpy as np
 from equilux_oracle.doubledouble import DD, Array
 from equilux_oracle.emitters.received import Reflecting
 from equilux_oracle.highlight import MIRRORED, mirrored, sensitivity
-from equilux_oracle.lights import Arriving
+from equilux_oracle.lights import Arriving, cosine_to_light
 
 UNIT_ROUNDOFF = 2.0**-53
 
@@ -22,9 +22,7 @@ UNIT_ROUNDOFF = 2.0**-53
 def from_light(arrives: Arriving, normal: DD, to_viewer: DD, here: Reflecting) -> tuple[Array, Array]:
     """Radiance (3, n) that an unblocked light causes, and a bound on its error."""
     value, bound = np.zeros_like(here.diffuse), np.zeros_like(here.diffuse)
-    towards = arrives.to_light.hi
-    with np.errstate(invalid="ignore", divide="ignore"):  # a light exactly at the point has no direction, and adds nothing
-        cosine = np.sum(normal.hi * (towards / np.sqrt(np.sum(towards**2, axis=0))), axis=0)
+    cosine = cosine_to_light(normal, arrives)
     lit = np.flatnonzero((cosine > 0.0) & np.any(arrives.value > 0.0, axis=0))
     if len(lit) == 0:
         return value, bound

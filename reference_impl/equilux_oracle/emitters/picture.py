@@ -97,6 +97,7 @@ class _Picture:
             if len(there):
                 for whole, part in zip((value, bound, scale), self._shade(index, seen, there), strict=True):
                     whole[there] = part.T
+        bound[seen.undecided] = np.inf
         return value, bound, scale, facing, seen.object_id
 
     def _shade(self, index: int, seen: Visible, there: Index) -> tuple[Array, Array, Array]:
@@ -141,7 +142,7 @@ class _Picture:
             value, error = from_light(arrives, normal, to_viewer, here)
             lit = np.flatnonzero(np.any(value > 0.0, axis=0))
             finite = not isinstance(light, DirectionalLight)
-            through, _ = let_through(self.bodies, opaque, point[:, lit], arrives.to_light[:, lit], eye_distance, finite=finite)
+            through, *_ = let_through(self.bodies, opaque, point[:, lit], arrives.to_light[:, lit], eye_distance, finite=finite)
             total.add(through, value[:, lit], error[:, lit], lit)
             total.scale += np.where(np.isfinite(arrives.value), arrives.value, 0.0) * (here.diffuse + here.specular)
 

@@ -29,6 +29,16 @@ class Meeting:
         t = where(counts[0], self.t[0], self.t[-1])
         return Crossing(counts[0] | counts[-1], t, self.normal(t, ~counts[0]))
 
+    def close_to(self, start: Array | float, own: Bools) -> Bools:
+        """Where a crossing lies so near to `start` that another reading of what coincides would take it otherwise, (n,).
+
+        own: where the line starts on this very primitive, whose other crossing is in doubt all the way up to there.
+        """
+        least = np.where(own, 2.0**-30, 0.5) * start
+        near = [exists & (t.hi > least) & (t.hi < 4.0 * start) for t, exists in zip(self.t, self.exists, strict=True)]
+        doubtful: Bools = np.any(near, axis=0)
+        return doubtful
+
     def number_between(self, start: Array | float, end: Array | float) -> Array:
         """How many crossings have start < t < end, (n,)."""
         counts = [exists & (t.hi > start) & (t.hi < end) for t, exists in zip(self.t, self.exists, strict=True)]

@@ -187,7 +187,7 @@ def count_blocked(found, rng):
             # The very surface of the emitter is no obstacle: the way ends just before it.
             chosen = np.flatnonzero(facing & (outward @ towards.hi < -1e-9))
             way = towards[:, chosen] * (1 - 1e-9)
-            through, _ = let_through(everything, opaque, seen.point[:, lit[chosen]], way, 10.0, finite=True)
+            through, *_ = let_through(everything, opaque, seen.point[:, lit[chosen]], way, 10.0, finite=True)
             ways, blocked = ways + len(chosen), blocked + int(np.sum(through[0] == 0.0))
     return blocked, ways
 
