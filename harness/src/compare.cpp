@@ -139,7 +139,7 @@ struct Tally {
 struct Extremes {
   double max_abs = 0, max_rel = -1, edge_max_abs = 0;
   double en_max = -1;
-  std::int64_t worst_pixel = -1, first_invalid = -1;
+  std::int64_t worst_pixel = -1, farthest_pixel = -1, first_invalid = -1;
 };
 
 /// Bin of |E_n|: a table over the leading bits gives the lowest bin possible; edges lie far enough apart that at most one is left to ask.
@@ -273,6 +273,12 @@ Reduction score(const Block& block, bool moved, const EnBins& bins, Tally& tally
   }
   tally.scored += block.values;
   tally.zeros += reduced.zeros;
+  const auto place = [&](std::size_t at) { return static_cast<std::int64_t>(block.first_pixel + (moved ? block.pixel[at] : at / 3)); };
+  if (block.values > 0 && (extremes.farthest_pixel < 0 || reduced.max_abs > extremes.max_abs)) {
+    std::size_t at = 0;
+    while (block.magnitude[at] != reduced.max_abs) ++at;
+    extremes.farthest_pixel = place(at);
+  }
   extremes.max_abs = larger(reduced.max_abs, extremes.max_abs);
   extremes.max_rel = larger(reduced.max_rel, extremes.max_rel);
   if (reduced.max_en > kLargest)
@@ -281,7 +287,7 @@ Reduction score(const Block& block, bool moved, const EnBins& bins, Tally& tally
     extremes.en_max = reduced.max_en;
     std::size_t at = 0;
     while (std::fabs(block.en[at]) != reduced.max_en) ++at;
-    extremes.worst_pixel = static_cast<std::int64_t>(block.first_pixel + (moved ? block.pixel[at] : at / 3));
+    extremes.worst_pixel = place(at);
   }
   return reduced;
 }
@@ -370,6 +376,7 @@ Result merge(const FirstPass& pass, std::size_t bins) {
   }
   double en_max = -1;
   for (const Extremes& part : pass.extremes) {
+    if (result.farthest_pixel < 0 || part.max_abs > result.max_abs) result.farthest_pixel = part.farthest_pixel;
     result.max_abs = std::max(result.max_abs, part.max_abs);
     result.max_rel = std::max(result.max_rel, part.max_rel);
     result.edge_max_abs = std::max(result.edge_max_abs, part.edge_max_abs);
