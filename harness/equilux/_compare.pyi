@@ -27,6 +27,7 @@ class Scores(TypedDict):
     en_max: float  # may be ∞
     en_infinite: int  # bands with B = 0 that differ
     worst_pixel: int  # row-major index of the largest |E_n|, the first of equals; −1 if nothing was scored
+    farthest_pixel: int  # the same of the largest |a − b|
     first_invalid: int  # row-major index, or −1
     en_counts: list[int]  # en_edges[i] < |E_n| ≤ en_edges[i + 1]; the first bin reaches to 0, the last to ∞
     classes: npt.NDArray[np.uint8]  # (h, w): 0 agree, 1 diverge, 2 edge, 3 invalid

@@ -209,6 +209,8 @@ def _fields(
     place = scores["first_invalid"] if harmless else scores["worst_pixel"]
     if place >= 0:
         out["worst"] = _pixel(place, image_a, image_b)
+    if scores["farthest_pixel"] >= 0:
+        out["farthest"] = _pixel(scores["farthest_pixel"], image_a, image_b)
     return out
 
 
@@ -219,7 +221,8 @@ def _blank_fields(a: RenderedImage, b: RenderedImage, pixels: int) -> dict[str, 
     return {
         "a": a.adapter, "b": b.adapter, "verdict": None, "reason": None, "pixels": pixels,
         "agree": 0, "diverge": 0, "edge": 0, "invalid": 0,
-        **dict.fromkeys(statistics), "edge_max_abs": 0.0, "flip": None, "worst": None, "explained": None, "causes": [],
+        **dict.fromkeys(statistics), "edge_max_abs": 0.0, "flip": None, "worst": None, "farthest": None,
+        "explained": None, "causes": [],
         "invalid_kinds": {"a": dict(none), "b": dict(none)}, "scored_values": 0, "en_max": None, "en_infinite": 0,
         "en_histogram": {"edges": list(EN_EDGES), "counts": [0] * (len(EN_EDGES) - 1)},
         "film_delta_px": None, "coverage_factor": 0.0, "comparer": COMPARER_VERSION,

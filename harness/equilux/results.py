@@ -79,7 +79,8 @@ class RenderRecord(Record):
 
 
 class Worst(Record):
-    """The pixel with the largest normalised error, or the first invalid one where no pixel diverges otherwise.
+    """The pixel with the largest normalised error (`worst`), or the first invalid one where no pixel diverges otherwise; or with
+    the largest difference (`farthest`).
 
     A band that is not a finite number is null.
     """
@@ -134,6 +135,9 @@ class PairRecord(Record):
     en_max: float | None = Field(default=None, description="largest |E_n| over pixels that are neither edge nor invalid")
     flip: float | None = None
     worst: Worst | None = None
+    farthest: Worst | None = Field(
+        default=None, description="the pixel where |a − b| is max_abs: where uncertainties are small another one than `worst`"
+    )
     explained: float | None = None
     causes: list[Found] = []
 

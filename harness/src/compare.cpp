@@ -124,7 +124,7 @@ struct Tally {
 struct Extremes {
   double max_abs = 0, max_rel = -1, edge_max_abs = 0;
   double en_max = -1;
-  std::int64_t worst_pixel = -1, first_invalid = -1;
+  std::int64_t worst_pixel = -1, farthest_pixel = -1, first_invalid = -1;
 };
 
 PixelClass classify_suspect(const Job& job, const Block& block, std::size_t pixel, Tally& tally) {
@@ -221,6 +221,11 @@ void score(const double* magnitude, const double* en, std::size_t values, const 
   tally.scored += values;
   tally.zeros += reduced.zeros;
   tally.max_rel = larger(reduced.max_rel, tally.max_rel);
+  if (values > 0 && (extremes.farthest_pixel < 0 || reduced.max_abs > extremes.max_abs)) {
+    std::size_t at = 0;
+    while (magnitude[at] != reduced.max_abs) ++at;
+    extremes.farthest_pixel = static_cast<std::int64_t>(pixel_of(at));
+  }
   extremes.max_abs = larger(reduced.max_abs, extremes.max_abs);
   extremes.max_rel = larger(reduced.max_rel, extremes.max_rel);
   if (reduced.max_en > kLargest)
@@ -350,6 +355,7 @@ Result merge(const FirstPass& pass, std::size_t bins) {
   }
   double en_max = -1;
   for (const Extremes& part : pass.extremes) {
+    if (result.farthest_pixel < 0 || part.max_abs > result.max_abs) result.farthest_pixel = part.farthest_pixel;
     result.max_abs = std::max(result.max_abs, part.max_abs);
     result.max_rel = std::max(result.max_rel, part.max_rel);
     result.edge_max_abs = std::max(result.edge_max_abs, part.edge_max_abs);

@@ -57,6 +57,7 @@ struct Result {
   double en_max = 0;
   std::uint64_t en_infinite = 0;          // bands without uncertainty that differ all the same
   std::int64_t worst_pixel = -1;          // largest |E_n|, the first of equals
+  std::int64_t farthest_pixel = -1;       // largest |a − b|, the first of equals
   std::int64_t first_invalid = -1;
   std::vector<std::uint64_t> en_counts;
 };

@@ -81,6 +81,7 @@ nb::dict to_dict(const equilux::Result& result) {
   out["en_max"] = result.en_max;
   out["en_infinite"] = result.en_infinite;
   out["worst_pixel"] = result.worst_pixel;
+  out["farthest_pixel"] = result.farthest_pixel;
   out["first_invalid"] = result.first_invalid;
   nb::list counts;
   for (const std::uint64_t count : result.en_counts) counts.append(count);

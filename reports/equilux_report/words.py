@@ -65,8 +65,8 @@ def causes(case: CaseRecord, pair: Pair) -> list[str]:
 
 
 def worst_band(pair: Pair) -> tuple[float, float] | None:
-    """The two radiances of the worst pixel, in the band where they are farthest apart."""
-    worst = mapping(pair.facts, "worst")
+    """The two radiances where they are farthest apart."""
+    worst = mapping(pair.facts, "farthest") or mapping(pair.facts, "worst")
     a, b = numbers(worst, "a"), numbers(worst, "b")
     if not a or len(a) != len(b):
         return None
@@ -74,10 +74,10 @@ def worst_band(pair: Pair) -> tuple[float, float] | None:
 
 
 def worst_pixel(pair: Pair) -> tuple[int, int] | None:
-    """Column and row of the worst pixel; of the first invalid one where nothing else diverges."""
+    """Column and row of the pixel where the two are farthest apart; of the first invalid one where nothing else diverges."""
     if count(pair.facts, "diverge") == 0 and pair.first_invalid is not None:
         return pair.first_invalid
-    worst = mapping(pair.facts, "worst")
+    worst = mapping(pair.facts, "farthest") or mapping(pair.facts, "worst")
     x, y = number(worst, "x"), number(worst, "y")
     return None if x is None or y is None else (int(x), int(y))
 
@@ -110,8 +110,16 @@ def _size(pair: Pair) -> str:
     if band is not None:
         parts.append(f"{numerals.magnitude(band[0])} against {numerals.magnitude(band[1])} {RADIANCE}")
     if en is not None:
-        parts.append(f"{numerals.magnitude(en)}{TIMES}the stated uncertainty" if math.isfinite(en) else "no uncertainty stated")
+        up_to = "up to " if _is_elsewhere(pair) else ""
+        times = f"{up_to}{numerals.magnitude(en)}{TIMES}the stated uncertainty"
+        parts.append(times if math.isfinite(en) else "no uncertainty stated")
     return ", ".join(parts)
+
+
+def _is_elsewhere(pair: Pair) -> bool:
+    """Whether E_n is largest at another pixel than the difference."""
+    farthest, worst = mapping(pair.facts, "farthest"), mapping(pair.facts, "worst")
+    return bool(farthest) and any(number(farthest, axis) != number(worst, axis) for axis in "xy")
 
 
 def _gone(case: CaseRecord, pair: Pair) -> list[str]:

@@ -57,5 +57,6 @@ def plain_comparison(
             **{f"p{percent}": order_statistic(values, percent) for percent in (50, 95, 99)},
             "en_max": float(errors.max()),
             "worst_pixel": int(np.flatnonzero(scored.ravel())[errors.argmax() // 3]),
+            "farthest_pixel": int(np.flatnonzero(scored.ravel())[values.argmax() // 3]),
         }
     return out

@@ -71,10 +71,11 @@ def _pair_line(case: CaseRecord, pair: PairRecord) -> str:
         return f"{case.case}: {pair.a} {what}: remove the expectation{'s' if len(gone) > 1 else ''}"
     if pair.diverge:
         size = f", largest difference {pair.max_abs:.3g}" if pair.max_abs is not None else ""
+        far = pair.farthest or pair.worst
         share = f"{pair.diverge} of {pair.pixels} pixels{size}"
     else:
-        share = pair.reason or "no pixel could be scored"
-    place = f" at ({pair.worst.x}, {pair.worst.y})" if pair.worst is not None else ""
+        share, far = pair.reason or "no pixel could be scored", pair.worst
+    place = f" at ({far.x}, {far.y})" if far is not None else ""
     found = ", ".join(dict.fromkeys(f"{_who(cause, pair)}{name_of(cause)}" for cause in pair.causes))
     return f"{case.case}: {pair.a} diverges from {pair.b}: {share}{place}{f'; by {found}' if found else ''}"
 

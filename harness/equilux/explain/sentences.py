@@ -11,7 +11,7 @@ from equilux.explain.causes import cause_lines, causes_of, name_of, unexplained_
 from equilux.explain.numbers import BANDS, UNIT, bands, counted, listed, number, share, short
 from equilux.explain.pixel import PixelFacts
 from equilux.explain.standing import next_steps, standing_lines
-from equilux.results import CaseRecord, PairRecord
+from equilux.results import CaseRecord, PairRecord, Worst
 
 VERDICT_WORDS = {
     "agree": "agree within their uncertainties",
@@ -69,7 +69,8 @@ def one_line(case: CaseRecord, pair: PairRecord) -> str:
 
 def _by_how_much(pair: PairRecord) -> str:
     worst = f", worst {short(pair.max_abs)} {UNIT}" if pair.max_abs is not None else ""
-    return worst + (f" at ({pair.worst.x}, {pair.worst.y})" if pair.worst is not None else "")
+    far = pair.farthest or pair.worst
+    return worst + (f" at ({far.x}, {far.y})" if far is not None else "")
 
 
 # --- verdict ----------------------------------------------------------------------------------------------------------
@@ -126,19 +127,25 @@ def _invalid_kinds(pair: PairRecord, statistics: Mapping[str, Any]) -> list[str]
 
 
 def _worst(pair: PairRecord, told: Told) -> list[str]:
-    if told.worst is not None:
-        return ["worst pixel: " + line if not index else line for index, line in enumerate(pixel_lines(pair, told.worst))]
     if pair.worst is None:
         return []
+    if told.worst is not None:
+        named = [f"worst pixel: {line}" if not index else line for index, line in enumerate(pixel_lines(pair, told.worst))]
+    else:
+        named = [f"worst pixel: {line}" if not index else line for index, line in enumerate(_both(pair, pair.worst))]
+        if pair.en_max is not None:
+            named.append(f"  |E_n| = {short(pair.en_max)}: the difference is that many times the uncertainty B of the two")
+    if pair.farthest is None or (pair.farthest.x, pair.farthest.y) == (pair.worst.x, pair.worst.y):
+        return named
+    first, *rest = _both(pair, pair.farthest)
+    return [f"farthest apart: {first}", *rest, named[0].replace("worst pixel:", "most beyond uncertainty:"), *named[1:]]
+
+
+def _both(pair: PairRecord, pixel: Worst) -> list[str]:
+    """Where, and what either side shows there."""
     width = max(len(pair.a), len(pair.b))
-    lines = [
-        f"worst pixel: ({pair.worst.x}, {pair.worst.y})",
-        f"  {pair.a.ljust(width)}  {bands(pair.worst.a)} {UNIT}",
-        f"  {pair.b.ljust(width)}  {bands(pair.worst.b)} {UNIT}",
-    ]
-    if pair.en_max is not None:
-        lines.append(f"  |E_n| = {short(pair.en_max)}: the difference is that many times the uncertainty B of the two")
-    return lines
+    sides = ((pair.a, pixel.a), (pair.b, pixel.b))
+    return [f"({pixel.x}, {pixel.y})", *(f"  {name.ljust(width)}  {bands(shown)} {UNIT}" for name, shown in sides)]
 
 
 def pixel_lines(pair: PairRecord, facts: PixelFacts) -> list[str]:

@@ -1,4 +1,4 @@
-"""What the engine made of one scene, as one process leaves it for the others."""
+"""What the engine made of some scenes in one go, as one process leaves it for the others."""
 
 from __future__ import annotations
 
@@ -15,22 +15,24 @@ from equilux.run import Finished
 from equilux.tree import read_json
 from equilux.wholefile import write_json
 
+NOTE = ".in"
+
 
 @dataclass(frozen=True)
 class Part:
-    """results: of the scene's cases alone. errors: faults of the engine itself. manifest: run.json. sources: scene → spec file.
-    order: place of the scene in the session.
+    """results: of these scenes' cases alone. errors: faults of the engine itself. manifest: run.json. sources: scene → spec file.
+    places: scene → its place in the session.
     """
 
     results: Results
     errors: tuple[str, ...] = ()
     manifest: dict[str, Any] = field(default_factory=dict)
     sources: dict[str, Path] = field(default_factory=dict)
-    order: int = 0
+    places: dict[str, int] = field(default_factory=dict)
 
     @classmethod
-    def of(cls, finished: Finished, tree: Path, order: int, cases: Iterable[Case]) -> Part:
-        return cls(finished.results, finished.errors, read_json(tree / "run.json") or {}, sources_of(cases), order)
+    def of(cls, finished: Finished, tree: Path, places: dict[str, int], cases: Iterable[Case]) -> Part:
+        return cls(finished.results, finished.errors, read_json(tree / "run.json") or {}, sources_of(cases), places)
 
     def record(self, case: str) -> CaseRecord | None:
         return next((record for record in self.results.cases if record.case == case), None)
@@ -41,26 +43,31 @@ def file_name(scene: str) -> str:
     return hashlib.sha256(scene.encode()).hexdigest()[:24]
 
 
-def write_part(folder: Path, scene: str, part: Part) -> None:
+def write_part(folder: Path, part: Part) -> None:
+    """The part under the name of its first scene, and a note under that of each other one, which says where to look."""
+    first, *others = part.places
     content = {
         "results": part.results.model_dump(mode="json"),
         "errors": list(part.errors),
         "manifest": part.manifest,
         "sources": {name: str(path) for name, path in part.sources.items()},
-        "order": part.order,
+        "places": part.places,
     }
-    write_json(folder / f"{file_name(scene)}.json", content)
+    write_json(folder / f"{file_name(first)}.json", content)
+    for scene in others:
+        write_json(folder / f"{file_name(scene)}{NOTE}", first)
 
 
 def read_part(folder: Path, scene: str) -> Part | None:
     """None where no process has left it yet."""
-    return _read(folder / f"{file_name(scene)}.json")
+    noted = read_json(folder / f"{file_name(scene)}{NOTE}")
+    return _read(folder / f"{file_name(scene if noted is None else str(noted))}.json")
 
 
 def read_parts(folder: Path) -> list[Part]:
-    """All of a session, in the order of its scenes."""
+    """All of a session, in the order of their first scenes."""
     found = [part for path in folder.glob("*.json") if (part := _read(path)) is not None]
-    return sorted(found, key=lambda part: part.order)
+    return sorted(found, key=lambda part: min(part.places.values()))
 
 
 def _read(path: Path) -> Part | None:
@@ -72,5 +79,5 @@ def _read(path: Path) -> Part | None:
         tuple(content["errors"]),
         content["manifest"],
         {name: Path(source) for name, source in content["sources"].items()},
-        content["order"],
+        content["places"],
     )

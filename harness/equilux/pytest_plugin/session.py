@@ -1,11 +1,11 @@
-"""One process's part of a pytest session: what is planned, carried out once per scene, and kept for the others."""
+"""One process's part of a pytest session: what is planned, carried out once for each scene, and kept for the others."""
 
 from __future__ import annotations
 
 import fcntl
 import shutil
-from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
+from collections.abc import Iterable, Sequence
+from contextlib import ExitStack
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -31,6 +31,9 @@ if TYPE_CHECKING:
 
 Pair = tuple[str, str]
 
+MOST_AT_ONCE = 16
+"""Scenes that are rendered in one go: how many a failure may have to wait for."""
+
 
 @dataclass(frozen=True)
 class Bench:
@@ -43,10 +46,11 @@ class Bench:
 
 @dataclass
 class Conductor:
-    """Plans scenes as they are collected and renders each once, when the first of its items is run.
+    """Plans scenes as they are collected and renders each once, when the first of its items is run or with one before it.
 
     Items of one scene may run in several processes: whoever comes first renders, the others wait and read what it left in the
-    results tree (`parts`). Only what the chosen items need is rendered.
+    results tree (`parts`). Only what the chosen items need is rendered. A renderer's start costs more than many a scene, so
+    scenes are taken together: one at first, to have something to tell, then twice as many each time, up to MOST_AT_ONCE.
     """
 
     settings: Settings
@@ -54,6 +58,7 @@ class Conductor:
     """Scenes by name: a name means one scene in a run."""
     _chosen: dict[str, dict[str, tuple[Case, set[str]]]] = field(default_factory=dict)
     _done: dict[str, Part] = field(default_factory=dict)
+    _at_once: int = 1
     _whole: WholeTree | None = None
 
     # --- planning -----------------------------------------------------------------------------------------------------
@@ -122,23 +127,41 @@ class Conductor:
         interrupt raises."""
         scene = case.scene_name
         if scene not in self._done:
-            with self._alone(scene):
+            with ExitStack() as held:
+                self._hold(scene, held)
                 found = read_part(self._parts, scene)
-                self._done[scene] = found if found is not None else self._carry_out(scene)
+                part = found if found is not None else self._carry_out([scene, *self._to_come(scene, held)])
+            self._done |= dict.fromkeys(part.places, part)
         return self._done[scene]
+
+    def _to_come(self, scene: str, held: ExitStack) -> list[str]:
+        """Scenes after this one that nobody has begun, to be rendered along with it, for the same adapters; they are held."""
+        wanted, self._at_once = self._at_once - 1, min(2 * self._at_once, MOST_AT_ONCE)
+        names = list(self._chosen)
+        found: list[str] = []
+        for other in names[names.index(scene) + 1 :]:
+            if len(found) == wanted:
+                break
+            if other in self._done or self._adapters_of(other) != self._adapters_of(scene):
+                continue
+            if self._hold(other, held, wait=False) and read_part(self._parts, other) is None:
+                found.append(other)
+        return found
+
+    def _adapters_of(self, scene: str) -> set[str]:
+        return set[str]().union(*(adapters for _, adapters in self._chosen[scene].values()))
 
     def view(self, part: Part, case: Case) -> RunView:
         sources = {case.scene_name: case.source} if case.source is not None else {}
         return RunView(part.results, self.settings.out, self.bench.selection.named, sources, part.errors)
 
-    def _carry_out(self, scene: str) -> Part:
-        """Run the engine on the scene's cases in a tree of their own, and move what it made to the session's tree."""
+    def _carry_out(self, scenes: Sequence[str]) -> Part:
+        """Run the engine on the scenes' cases in a tree of their own, and move what it made to the session's tree."""
         from equilux.run import INTERRUPTED, execute
 
-        chosen = self._chosen[scene].values()
-        adapters = set[str]().union(*(adapters for _, adapters in chosen))
-        plan = self._plan([case for case, _ in chosen], adapters)
-        own = self._scratch / "work" / file_name(scene)
+        chosen = [case for scene in scenes for case, _ in self._chosen[scene].values()]
+        plan = self._plan(chosen, self._adapters_of(scenes[0]))
+        own = self._scratch / "work" / file_name(scenes[0])
         options = self._options(own)
         finished = execute(plan, options)
         if finished.exit_code == INTERRUPTED:
@@ -148,8 +171,9 @@ class Conductor:
             target.parent.mkdir(parents=True, exist_ok=True)
             shutil.rmtree(target, ignore_errors=True)
             (own / "cases" / case.case).rename(target)
-        part = Part.of(finished, own, list(self._chosen).index(scene), plan.cases)
-        write_part(self._parts, scene, part)
+        names = list(self._chosen)
+        part = Part.of(finished, own, {scene: names.index(scene) for scene in scenes}, plan.cases)
+        write_part(self._parts, part)
         shutil.rmtree(own, ignore_errors=True)
         if options.store is not None and options.store.written:
             options.store.prune()
@@ -190,13 +214,16 @@ class Conductor:
     def _parts(self) -> Path:
         return self._scratch / "parts"
 
-    @contextmanager
-    def _alone(self, scene: str) -> Iterator[None]:
-        """Only one process of the session at a time."""
+    def _hold(self, scene: str, held: ExitStack, *, wait: bool = True) -> bool:
+        """Be the only process of the session at this scene, until `held` is closed. False where another one is and wait is not
+        wanted."""
         self._parts.mkdir(parents=True, exist_ok=True)
-        with open(self._parts / f"{file_name(scene)}.lock", "w") as lock:
-            fcntl.flock(lock, fcntl.LOCK_EX)
-            yield
+        lock = held.enter_context((self._parts / f"{file_name(scene)}.lock").open("w"))
+        try:
+            fcntl.flock(lock, fcntl.LOCK_EX if wait else fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            return False
+        return True
 
     def open_tree(self, command: tuple[str, ...]) -> None:
         """Take the session's results tree, in the one process that speaks for all. Raises BadUsage."""

@@ -58,7 +58,8 @@ class WholeTree:
         return self._said
 
     def _together(self, parts: list[Part]) -> tuple[Results, ci.RunView]:
-        cases = [case for part in parts for case in part.results.cases]
+        places = {scene: place for part in parts for scene, place in part.places.items()}
+        cases = sorted((case for part in parts for case in part.results.cases), key=lambda case: places[case.scene])
         errors = tuple(error for part in parts for error in part.errors)
         named = frozenset(
             name for part in parts for name, entry in part.manifest.get("adapters", {}).items() if entry.get("named")

@@ -84,7 +84,9 @@ def test_kernel_equals_plain_numpy(given_: dict[str, Any]) -> None:
     with np.errstate(over="ignore"):
         np.testing.assert_array_equal(got["difference"], expected["difference"].astype(np.float32))
         np.testing.assert_allclose(got["normalised_error"], expected["en"].astype(np.float32), rtol=2.0**-23)
-    exact = ("scored_values", "edge_max_abs", "max_abs", "max_rel", "p50", "p95", "p99", "en_max", "worst_pixel")
+    exact = (
+        "scored_values", "edge_max_abs", "max_abs", "max_rel", "p50", "p95", "p99", "en_max", "worst_pixel", "farthest_pixel",
+    )  # fmt: skip
     for name in exact:
         if name in expected:
             assert got[name] == expected[name], f"{name}: kernel {got[name]!r}, plain {expected[name]!r}"
@@ -146,7 +148,7 @@ def test_values_that_are_no_radiance_are_invalid_on_either_side_and_on_both(valu
         for side in "ab":
             expected = {name: int(side in sides and name == kind) for name in ("nan", "+inf", "-inf", "negative")}
             assert got[f"invalid_{side}"] == expected
-        assert (got["scored_values"], got["worst_pixel"], got["first_invalid"]) == (0, -1, 0)
+        assert (got["scored_values"], got["worst_pixel"], got["farthest_pixel"], got["first_invalid"]) == (0, -1, -1, 0)
 
 
 def test_opposite_infinities_are_invalid() -> None:
@@ -205,6 +207,7 @@ def test_worst_pixel_is_by_normalised_error_and_the_first_of_equals() -> None:
     bounds[6, 1, 2] = 100.0
     got = kernel(a, b, per_pixel_a=bounds)
     assert divmod(got["worst_pixel"], 9) == (2, 3)
+    assert divmod(got["farthest_pixel"], 9) == (6, 1)
 
 
 def test_percentiles_are_order_statistics_even_of_a_million_equal_differences() -> None:
