@@ -37,8 +37,8 @@ def faceted(case: Case, segments: int) -> tuple[Case, dict[str, Any]]:
         if bounds is not None:
             found[index] = bounds
             meshes[index] = _mesh(case, index, view, segments)
-            kept = {"material": obj.material, "transform": obj.transform}
-            objects[index] = Mesh(kind="mesh", file=f"facets-{index}", normals="smooth", **kept)
+            file = f"facets-{index}"
+            objects[index] = Mesh(kind="mesh", file=file, normals="smooth", material=obj.material, transform=obj.transform)
     scene = case.scene.model_copy(update={"objects": tuple(objects)})
     return Case(name=case.name, scene=scene, scene_name=case.scene_name, meshes=meshes), {
         "normal": {str(index): bounds.normal for index, bounds in found.items() if bounds.normal},
