@@ -40,7 +40,7 @@ def _low_sun(elevation: float, model: str) -> Spec:
         perspective((0.4, 2.5, 2), (0, 0, 0), 35),
         {"sun": sun((math.cos(angle), -math.sin(angle), 0.0), 2.0 / math.sin(angle))},
         {"clay": MATT, "mark": {"diffuse": [0.05, 0.1, 0.2]}},
-        [rectangle((0.1, 0, 0.3), (0.7, 0, 0), (0, 0, -0.6), "mark"), rectangle((-1, 0, 0.7), (1.9, 0, 0), (0, 0, -1.5), "clay")],
+        [rectangle((0.2, 0, 0.3), (0.7, 0, 0), (0, 0, -0.6), "mark"), rectangle((-1, 0, 0.7), (1.1, 0, 0), (0, 0, -1.5), "clay")],
         background=0.0625,
     )
 

@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from equilux.extremes.axes.pieces import orthographic, point_light, spec, still_life
+from equilux.extremes.axes.pieces import perspective, point_light, spec, still_life
 from equilux.extremes.axis import Axis, Spec, decades
 
 
@@ -14,8 +14,9 @@ def _exponent(exponent: float, model: str) -> Spec:
     """A wall with a highlight in its middle; the film shrinks with the highlight, 1/√p."""
     radius = math.sqrt(10 / max(exponent, 10.0))
     return spec(
-        # Rays are parallel; the eye lies as far as the lamp, where the local viewer of the fixed function looks from.
-        orthographic((0.1 * radius, 0.05 * radius, 3), (0.1 * radius, 0.05 * radius, 0), 1.2 * radius),
+        perspective(
+            (0.1 * radius, 0.05 * radius, 3), (0.1 * radius, 0.05 * radius, 0), 2 * math.degrees(math.atan(0.6 * radius / 3))
+        ),
         {"lamp": point_light((0.2 * radius, -0.1 * radius, 1), 1.0)},
         {"gloss": {"diffuse": 0.05, "specular": [0.5, 0.3, 0.2], "exponent": exponent}},
         [{"kind": "plane", "point": [0, 0, 0], "normal": [0, 0, 1], "material": "gloss"}],

@@ -46,7 +46,7 @@ def _displaced(distance: float, model: str) -> Spec:
 
 
 def _field_of_view(angle: float, model: str) -> Spec:
-    """A wall as wide as the view, and a card before it, at distances that do not shrink with the view."""
+    """Two cards side by side, as wide as the view, 1 m away: nothing stands before anything."""
     half = tan_deg(angle / 2)  # half the height of what is seen at distance 1
 
     def at(x: float, y: float, z: float) -> list[float]:
@@ -57,15 +57,15 @@ def _field_of_view(angle: float, model: str) -> Spec:
         {"lamp": point_light((-0.5 * half, 0.6 * half, 0.9 * half), 1.5 * half**2)},
         {"wall": MATT, "card": {"diffuse": [0.05, 0.1, 0.2]}},
         [
-            rectangle(at(-0.9, -0.8, 0), (1.7 * half, 0, 0), (0, 1.5 * half, 0), "wall"),
-            rectangle(at(0.1, -0.3, 0.25 * min(half, 1)), (half * 0.6, 0, 0), (0, half * 0.7, 0), "card"),
+            rectangle(at(-0.9, -0.8, 0), (1.0 * half, 0, 0), (0, 1.5 * half, 0), "wall"),
+            rectangle(at(0.2, -0.3, 0), (half * 0.6, 0, 0), (0, half * 0.7, 0), "card"),
         ],
         background=0.0625,
     )  # fmt: skip
 
 
 def _seen_at_an_angle(elevation: float, model: str) -> Spec:
-    """A card on the floor, as long as makes its picture the same from every elevation."""
+    """Two cards in a plane, as long as makes its picture the same from every elevation."""
     length = 1 / math.sin(math.radians(elevation))
     eye = (0, 3 * math.sin(math.radians(elevation)), 3 * math.cos(math.radians(elevation)))
     return spec(
@@ -75,8 +75,8 @@ def _seen_at_an_angle(elevation: float, model: str) -> Spec:
         {"sun": sun((0.3, -0.8, -0.4), 1.0)},
         {"card": MATT, "mark": {"diffuse": [0.05, 0.1, 0.2]}},
         [
-            rectangle((0.1, 0, 0.3 * length), (0.4, 0, 0), (0, 0, -0.5 * length), "mark"),
-            rectangle((-0.6, 0, 0.5 * length), (1.3, 0, 0), (0, 0, -1 * length), "card"),
+            rectangle((0.2, 0, 0.3 * length), (0.5, 0, 0), (0, 0, -0.5 * length), "mark"),
+            rectangle((-0.7, 0, 0.5 * length), (0.8, 0, 0), (0, 0, -1 * length), "card"),
         ],
         background=0.0625,
     )
