@@ -17,10 +17,15 @@ INTRODUCTION = """\
 # Where each renderer breaks
 
 One quantity at a time is pushed decade by decade from a value at which every renderer must hold, with all else compensated
-(`equilux extremes --list`). **Bold**: the breakdown, the first value whose picture departs from the truth by more than both
-sides' stated uncertainty, or is missing. *Italic*: the adapter gives up with a word, from there on: it refuses the scene, or states an
-uncertainty as large as the picture. –: not expressible. The truth is the oracle; for triangle meshes, which have no closed form,
-it is the reference.
+(`equilux extremes --list`).
+
+- **Bold**: the breakdown, the first value whose picture departs from the truth by more than both sides' stated uncertainty, or
+  is missing.
+- *Italic*: the adapter gives up with a word, from there on: it refuses the scene, or states an uncertainty as large as the
+  picture.
+- –: not expressible.
+
+The truth is the oracle; for triangle meshes, which have no closed form, it is the reference.
 """
 
 

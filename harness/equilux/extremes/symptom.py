@@ -16,10 +16,12 @@ Floats = npt.NDArray[np.float64]
 Mask = npt.NDArray[np.bool_]
 
 Kind = Literal[
-    "nan", "inf", "negative", "black", "vanishes", "leak", "acne", "saturates", "quantised", "scaled", "outline", "wrong",
+    "nan", "inf", "negative", "black", "vanishes", "leak", "acne", "saturates", "quantised", "scaled", "outline",
+    "bright", "dark", "wrong",
 ]  # fmt: skip
 KINDS: tuple[Kind, ...] = (
-    "nan", "inf", "negative", "black", "vanishes", "leak", "acne", "saturates", "quantised", "scaled", "outline", "wrong",
+    "nan", "inf", "negative", "black", "vanishes", "leak", "acne", "saturates", "quantised", "scaled", "outline",
+    "bright", "dark", "wrong",
 )  # fmt: skip
 
 WORDS: dict[Kind, str] = {
@@ -28,12 +30,14 @@ WORDS: dict[Kind, str] = {
     "negative": "shows negative radiance",
     "black": "is black where something should be",
     "vanishes": "shows the background where something should be",
-    "leak": "shows something else through what should be opaque or in shadow",
+    "leak": "shows what lies beside or behind it",
     "acne": "is wrong on scattered pixels within a surface",
     "saturates": "stops at a ceiling",
     "quantised": "has only a few levels left",
     "scaled": "is wrong by one factor",
     "outline": "has outlines in the wrong place",
+    "bright": "is too bright",
+    "dark": "is too dark",
     "wrong": "is wrong",
 }
 
@@ -44,6 +48,8 @@ SAME = 1e-3
 that have already been found wrong; nothing is judged by it."""
 FEWEST = 8
 """Wrong pixels below which nothing can be said of how they are spread or how many levels they have."""
+FEW_COLOURS = 16
+"""Different colours of a picture up to which a wrong one can be told to be another surface's."""
 SCATTERED = 0.5
 """Of how wrong pixels cluster (0 as by chance, 1 all together): below this they are scattered."""
 
@@ -100,14 +106,25 @@ def _main(counts: dict[Kind, int], wrong: int, usable: int) -> Kind:
     for kind in ("nan", "inf"):
         if counts.get(kind):
             return kind
-    order: tuple[Kind, ...] = ("negative", "black", "vanishes", "saturates", "scaled", "quantised", "leak", "outline", "acne")
+    order: tuple[Kind, ...] = (
+        "negative",
+        "black",
+        "vanishes",
+        "saturates",
+        "scaled",
+        "quantised",
+        "leak",
+        "outline",
+        "acne",
+        "bright",
+        "dark",
+    )
     return next((kind for kind in order if counts.get(kind, 0) >= MOST * usable > 0), "wrong")
 
 
 def _of_values(a: Floats, b: Floats, usable: Mask, background: Floats, numbers: dict[str, float]) -> dict[Kind, Mask]:
     """Symptoms that single values show."""
     size = float(np.abs(b[usable]).max()) if usable.any() else 0.0
-    everywhere = float(np.abs(b[np.isfinite(b)]).max(initial=0.0))
     with np.errstate(over="ignore", invalid="ignore"):
         is_background = (np.abs(a - background) <= SAME * np.maximum(np.abs(background), 1e-9 * size)).all(axis=2)
         truth_is_background = (np.abs(b - background) <= SAME * np.maximum(np.abs(background), 1e-9 * size)).all(axis=2)
@@ -120,11 +137,9 @@ def _of_values(a: Floats, b: Floats, usable: Mask, background: Floats, numbers: 
         masks["saturates"] = _saturated(a, b, usable, numbers)
         masks["scaled"] = _scaled(a, b, usable, numbers)
         masks["quantised"] = _quantised(a, b, usable)
-    # Brighter throughout than it should be, and no brighter than the scene is elsewhere.
-    with np.errstate(over="ignore", invalid="ignore"):
-        masks["leak"] = (
-            usable & (a >= b).all(axis=2) & (a > (1 + 100 * SAME) * b).any(axis=2) & (a.max(axis=2) <= (1 + SAME) * everywhere)
-        )
+    masks["leak"] = _of_another_surface(a, b, usable)
+    masks["bright"] = usable & (a >= b).all(axis=2)
+    masks["dark"] = usable & (a <= b).all(axis=2)
     return masks
 
 
@@ -157,6 +172,16 @@ def _quantised(a: Floats, b: Floats, usable: Mask) -> Mask:
     levels = max(len(np.unique(a[usable][:, band])) for band in range(3))
     true_levels = max(len(np.unique(b[usable][:, band])) for band in range(3))
     return usable if 1 < levels <= true_levels / 8 else np.zeros_like(usable)
+
+
+def _of_another_surface(a: Floats, b: Floats, usable: Mask) -> Mask:
+    """Pixels that show one of the few colours that the picture has elsewhere: the wall in the place of the card before it."""
+    colours = np.unique(b[~usable & np.isfinite(b).all(axis=2)], axis=0)
+    if not 0 < len(colours) <= FEW_COLOURS:
+        return np.zeros_like(usable)
+    with np.errstate(over="ignore", invalid="ignore"):
+        same = np.asarray((np.abs(a[:, :, None] - colours) <= SAME * np.abs(colours)).all(axis=3))
+    return np.asarray(usable & same.any(axis=2))
 
 
 def _of_places(b: Floats, usable: Mask) -> dict[Kind, Mask]:

@@ -76,18 +76,28 @@ def test_scattered_pixels_are_acne():
 def test_a_blob_is_not_acne():
     picture = truth()
     picture[14:20, 20:28] *= np.linspace(0.3, 0.9, 8)[None, :, None]
-    assert seen(picture).kind == "wrong"
+    assert seen(picture).kind == "dark"
 
 
-def test_light_where_shadow_should_be_is_a_leak():
-    b = truth()
-    b[15:22, 18:30] = 0.001
-    a = truth()
-    wrong = np.zeros((36, 48), bool)
-    wrong[15:22, 18:30] = True
-    found = symptom(a, b, wrong, GREY)
+def test_what_lies_behind_is_told_to_be_that():
+    b = np.broadcast_to(np.array([0.9, 0.4, 0.1]), (36, 48, 3)).copy()
+    a = b.copy()
+    b[10:20, 12:30] = (0.1, 0.5, 0.9)
+    found = symptom(a, b, (a != b).any(axis=2), GREY)
     assert found is not None
     assert found.kind == "leak"
+
+
+def test_light_where_shadow_should_be_is_too_bright():
+    b = truth()
+    b[15:22, 18:30] *= 0.3
+    found = symptom(truth(), b, (truth() != b).any(axis=2), GREY)
+    assert found is not None
+    assert (found.kind, found.factor) == ("scaled", pytest.approx(1 / 0.3))
+    b[15:22, 18:30] *= np.linspace(0.2, 0.9, 12)[None, :, None]
+    found = symptom(truth(), b, (truth() != b).any(axis=2), GREY)
+    assert found is not None
+    assert found.kind == "bright"
 
 
 def test_negative_radiance_is_told():

@@ -38,14 +38,16 @@ def _card_at_lamp(gap: float, model: str) -> Spec:
 
 
 def _card_before_wall(gap: float, model: str) -> Spec:
-    """A card that is nearer than a wall by the gap, listed last, so that the wall wins where both are taken for equal."""
+    """A card that is nearer than a wall by the gap, listed after it, so that the wall wins where both are taken for equal; and one
+    that is much nearer, which tells that nothing is turned round."""
     return spec(
         perspective((0.2, 0.1, 1), (0.2, 0.1, 0), 40),
         {},
-        {"wall": {"emission": [0.9, 0.4, 0.1]}, "card": {"emission": [0.1, 0.5, 0.9]}},
+        {"wall": {"emission": [0.9, 0.4, 0.1]}, "card": {"emission": [0.1, 0.5, 0.9]}, "near": {"emission": [0.3, 0.9, 0.4]}},
         [
             rectangle((-0.5, -0.4, 0), (1, 0.05, 0), (-0.04, 0.8, 0), "wall"),
             rectangle((-0.2, -0.15, gap), (0.45, 0.0225, 0), (-0.018, 0.36, 0), "card"),
+            rectangle((0.33, -0.2, 0.2), (0.1, 0, 0), (0, 0.2, 0), "near"),
         ],
         background=0.0625,
     )
