@@ -38,8 +38,8 @@ def _card_at_lamp(gap: float, model: str) -> Spec:
 
 
 def _card_before_wall(gap: float, model: str) -> Spec:
-    """A card that is nearer than a wall by the gap, listed after it, so that the wall wins where both are taken for equal; and one
-    that is much nearer, which tells that nothing is turned round."""
+    """A card nearer than a wall by the gap, listed after it, so that the wall wins where both are taken for equal. Another, much
+    nearer, tells that nothing is turned round."""
     return spec(
         perspective((0.2, 0.1, 1), (0.2, 0.1, 0), 40),
         {},
