@@ -32,7 +32,7 @@ class ReferenceKnobs(Knobs):
         description="0: spheres, cylinders and discs are what they are. Else models phong and opengl have facets instead, as "
         "many around a circle that is seen at 45°, more where it is seen at a grazing angle; other models are refused. Exact "
         "shapes are faster, too: a ball at 256×192 takes half the time of 64 facets",
-        json_schema_extra={"faster": [0, 64, 192, 512], "steps": [0, 64, 192, 512]},
+        json_schema_extra={"faster": [0, 96, 192, 512], "steps": [0, 96, 192, 512]},
     )
     recursion_depth: Bounces | Literal["scene"] = Field(
         default="scene",
