@@ -156,6 +156,8 @@ class FloatMode:
 
     @property
     def width(self) -> int: ...
+    @property
+    def displacement_px(self) -> float: ...
     def render(
         self,
         *,

@@ -109,6 +109,13 @@ class Tracer:
         """
         return Traversal(*self._float_mode(packet_width).traverse(threads=threads))
 
+    def displacement_px(self) -> float:
+        """How far a silhouette or the border of a shadow may be displaced in precisions "float" and "refined", pixels.
+
+        Derived in reference_impl/src/fast/float_mode.h. Raises TracerError for what float packets do not cover.
+        """
+        return self._float_mode(0).displacement_px
+
     def _float_mode(self, width: int) -> _tracer.FloatMode:
         """Prepared when it is first asked for: the exact mode pays nothing for it."""
         with self._preparing:

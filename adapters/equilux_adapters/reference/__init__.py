@@ -52,10 +52,10 @@ class ReferenceAdapter:
         return render(program, program_dir, workdir, knobs)
 
     def read(self, raw: RawRender, program: Program, knobs: ReferenceKnobs) -> Reading:
-        """The float64 image and its budget."""
+        """The image and its budget."""
         from equilux_adapters.reference.read import read
 
-        return read(raw, program)
+        return read(raw, program, knobs)
 
 
 ADAPTER = ReferenceAdapter()

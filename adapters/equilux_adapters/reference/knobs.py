@@ -17,6 +17,13 @@ class ReferenceKnobs(Knobs):
     threads: int = Field(
         default=0, ge=0, le=1024, description="threads per render; 0: one per core", json_schema_extra={"faster": "larger"}
     )
+    precision: Literal["exact", "refined", "float"] = Field(
+        default="exact",
+        description="exact: double, and double-double where rounding could tip a decision. refined: packets in single precision "
+        "find what each pixel sees, the rest is exact. float: packets in single precision throughout. The last two: models phong "
+        "and raytraced only",
+        json_schema_extra={"faster": ["float", "refined", "exact"], "steps": ["float", "refined", "exact"]},
+    )
     error_target: float = Field(
         default=1e-6,
         ge=1e-10,

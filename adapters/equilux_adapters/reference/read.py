@@ -6,27 +6,40 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 from equilux.adapter import Bound, Budget, Geometric, Program, RawRender, Reading
 from equilux.budget import Term
+from equilux_adapters.reference.knobs import ReferenceKnobs
 
 NO_DIGIT = 1e30
 """W/(m²·sr). Between curved mirrors a bound grows with every bounce, beyond all numbers in the end: it then says nothing, and
 this stands for it, because a budget holds finite numbers only."""
 
 
-def read(raw: RawRender, program: Program) -> Reading:
-    """(h, w, 3) float64, row 0 on top: nothing is rounded on the way."""
-    image = np.load(raw.files["radiance"], allow_pickle=False)
-    rounding = np.load(raw.files["rounding"], allow_pickle=False)
-    lost = ~(rounding <= NO_DIGIT)
-    arithmetic = Bound(
-        "arithmetic",
-        "rounding of the shading in double precision, per pixel, term by term (derived in reference_impl/src/phong.h, opengl.h "
-        "and raytraced.h); the geometry is found in double-double, and what many reflections make of that is included (spread.h)"
-        + _said_of_lost(int(lost.any(axis=2).sum())),
-        abs=np.where(lost, NO_DIGIT, rounding),
-    )
+EXACT_REASON = (
+    "rounding of the shading in double precision, per pixel, term by term (derived in reference_impl/src/phong.h, opengl.h and "
+    "raytraced.h); the geometry is found in double-double, and what many reflections make of that is included (spread.h)"
+)
+FLOAT_REASON = (
+    "rounding of geometry and shading in single precision, per pixel, term by term, carried from hit to hit (derived in "
+    "reference_impl/src/fast/shading.h and strayed.h), and of the radiance to float32"
+)
+
+
+def read(raw: RawRender, program: Program, knobs: ReferenceKnobs) -> Reading:
+    """(h, w, 3), row 0 on top, nothing rounded on the way: float64, of single precision widened."""
+    image = np.load(raw.files["radiance"], allow_pickle=False).astype(np.float64)
+    rounding = np.load(raw.files["rounding"], allow_pickle=False).astype(np.float64)
+    arithmetic = _arithmetic(rounding, FLOAT_REASON if knobs.precision == "float" else EXACT_REASON)
+    if knobs.precision != "exact":
+        displaced = Geometric(
+            "single precision",
+            "packets of rays in single precision find what is seen: silhouettes and borders of shadows may be displaced; shadow "
+            "rays start 2^-19 of the lengths involved beside the surface (reference_impl/src/fast/packet.h)",
+            film_px=float(np.load(raw.files["film_px"], allow_pickle=False)),
+        )
+        return Reading(image, Budget((arithmetic, displaced, *_of_knobs(program.data))))
     error = np.load(raw.files["quadrature"], allow_pickle=False)
     terms = (arithmetic, *_of_knobs(program.data))
     if not error.any():
@@ -49,6 +62,11 @@ def _of_knobs(facts: Mapping[str, Any]) -> Iterator[Term]:
         normal, position = ({int(index): by for index, by in facts["facets"][key].items()} for key in ("normal", "position_m"))
         reason = "flat facets in place of round surfaces"
         yield Geometric("facets", reason, normal=normal, position_m=position, film_px=facts["facets"]["film_px"])
+
+
+def _arithmetic(rounding: npt.NDArray[np.float64], reason: str) -> Bound:
+    lost = ~(rounding <= NO_DIGIT)
+    return Bound("arithmetic", reason + _said_of_lost(int(lost.any(axis=2).sum())), abs=np.where(lost, NO_DIGIT, rounding))
 
 
 def _said_of_lost(pixels: int) -> str:

@@ -14,18 +14,25 @@ from equilux_scenes.mesh import TriangleMesh
 from equilux_scenes.model import Scene
 
 BOUNDS = ("rounding", "quadrature")
-"""The tracer's channels that bound the error of its radiance."""
+"""The exact mode's channels that bound the error of its radiance; the other precisions have the first."""
 
 
 def render(program: Program, program_dir: Path, workdir: Path, knobs: ReferenceKnobs) -> RawRender:
-    """Radiance and the bounds of its error, all float64 (h, w, 3). Raises RendererFailed where the tracer refuses."""
+    """Radiance and the bounds of its error, (h, w, 3), and how far discontinuities may be displaced on the film, pixels.
+
+    Raises RendererFailed where the tracer refuses.
+    """
     started = time.perf_counter()
     from equilux_tracer import EMBREE_VERSION, Tracer, TracerError
 
     case = _case(program, program_dir)
     loaded = time.perf_counter()
     try:
-        arrays = Tracer(case, error_target=knobs.error_target).render(("radiance", *BOUNDS), threads=knobs.threads)
+        tracer = Tracer(case, precision=knobs.precision, error_target=knobs.error_target)
+        bounds = BOUNDS if knobs.precision == "exact" else BOUNDS[:1]
+        arrays = tracer.render(("radiance", *bounds), threads=knobs.threads)
+        if knobs.precision != "exact":
+            arrays["film_px"] = np.array(tracer.displacement_px())
     except TracerError as error:
         raise RendererFailed(str(error)) from None
     files = {}

@@ -65,6 +65,7 @@ void bind_float_mode(nb::module_& m, void (*finish)(bool complete)) {
           },
           nb::arg("world"), nb::arg("width") = 0, nb::keep_alive<1, 2>())
       .def_prop_ro("width", &FloatMode::width)
+      .def_prop_ro("displacement_px", &FloatMode::displacement_px)
       .def("render", &render<float>, nb::kw_only(), nb::arg("radiance"), nb::arg("rounding").none(), nb::arg("threads"),
            nb::arg("cancel").none())
       .def("refine", &render<double>, nb::kw_only(), nb::arg("radiance"), nb::arg("rounding").none(), nb::arg("threads"),

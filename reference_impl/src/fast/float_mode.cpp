@@ -24,6 +24,13 @@ class Scratch {
 
 }  // namespace
 
+double FloatMode::displacement_px() const {
+  const Camera& camera = scene_.world().camera;
+  const double half_film = to_double(camera.scale);  // at distance 1, or in metres
+  const double per_length = 0.5 * camera.height / half_film;
+  return 0x1p-14 * per_length * (camera.perspective() ? 1 : 2 / scene_.scale());
+}
+
 bool FloatMode::render(float* radiance, float* rounding, int threads, const Cancel* cancel, const Interrupted& interrupted) const {
   const Tables& tables = scene_.tables();
   const Kernels& kernels = scene_.kernels();

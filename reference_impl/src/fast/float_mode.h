@@ -23,6 +23,11 @@ class FloatMode {
     return static_cast<std::size_t>(scene_.tables().width) * static_cast<std::size_t>(scene_.tables().height);
   }
 
+  // How far a silhouette or the border of a shadow may be displaced, pixels: 2^-14 of the lengths involved, as seen. Eye rays and surfaces
+  // are off by a few 2^-24; shadow rays start 2^-19 beside the surface, and a border that they draw is moved by 2^5 times that where
+  // light or view pass along the surface at 2 degrees.
+  double displacement_px() const;
+
   // Radiance, and the bound of its arithmetic error or null: float, 3 per pixel, row by row. False: cancelled or interrupted.
   bool render(float* radiance, float* rounding, int threads, const Cancel* cancel, const Interrupted& interrupted) const;
 

@@ -115,6 +115,7 @@ FloatScene::FloatScene(const World& world, int width) : world_(world), kernels_(
   tables_.stored_normals = stored_normals_.data();
   tables_.corners = corners_.data();
   tables_.vertex_normals = vertex_normals_.data();
+  tables_.curvatures = curvatures_.data();
   tables_.planes = planes_.data();
   tables_.plane_count = static_cast<int>(planes_.size());
   tables_.lamps = lamps_.data();
@@ -177,6 +178,7 @@ void FloatScene::add_surfaces() {
     row[column_behind] = static_cast<float>(t);
     row[column_ior] = static_cast<float>(material.ior);
     put(row + column_shadow, world_.casts[i].share, what);
+    row[column_curvature] = static_cast<float>(world_.objects[i].curvature / scale_);
     tables_.transparent_shadows |= mask_of(static_cast<int>(i)) == mask_transparent;
   }
 }
@@ -241,6 +243,29 @@ void FloatScene::attach(RTCGeometry geometry, std::uint32_t mask, const Geometry
   mesh_of_geometry_[id] = mesh;
 }
 
+namespace {
+
+// As spread.cpp has it of one point: |∂N| ≤ Σ |n_k − n_0| / (height of vertex k) / the least length of the interpolated normal.
+double curvature_of_triangle(const MeshObject& mesh, const std::array<std::uint32_t, 3>& face, const std::vector<Vec3d>& normals) {
+  Vec3d p[3], n[3];
+  for (std::size_t k = 0; k < 3; ++k) {
+    const CameraPoint& v = mesh.vertices[face[k]];
+    p[k] = {v.x, v.y, v.z};
+    n[k] = normals[face[k]];
+  }
+  const double doubled_area = length(cross(p[1] - p[0], p[2] - p[0]));
+  if (!(doubled_area > 0)) return 0;  // no ray meets it
+  double sum = 0;
+  for (int k = 1; k < 3; ++k) sum += length(p[3 - k] - p[0]) / doubled_area * length(n[k] - n[0]);
+  const Vec3d middle = n[0] + n[1] + n[2];
+  const double total = length(n[0]) + length(n[1]) + length(n[2]);
+  double least = 1e300;
+  for (const Vec3d& normal : n) least = std::min(least, std::fabs(dot(normal, middle)) / length(middle));
+  return sum / std::max(least, 1e-3 * total);
+}
+
+}  // namespace
+
 // --- meshes -----------------------------------------------------------------------------------------------------------
 
 void FloatScene::add_meshes() {
@@ -295,6 +320,7 @@ void FloatScene::add_mesh(int index) {
       size = std::max(size, largest(normals.back()));
     }
     const double factor = size > 0 ? std::ldexp(1.0, -std::ilogb(size)) : 1;  // they keep their ratios
+    for (const auto& face : faces) curvatures_.push_back(static_cast<float>(curvature_of_triangle(mesh, face, normals) / scale_));
     for (const Vec3d& n : normals) {
       vertex_normals_.insert(vertex_normals_.end(), {static_cast<float>(n.x * factor), static_cast<float>(n.y * factor), static_cast<float>(n.z * factor), 0});
     }

@@ -58,7 +58,7 @@ class FloatScene {
   FloatFeatures features_;
   std::vector<Geometry> geometries_;
   std::vector<int> mesh_of_geometry_;
-  std::vector<float> surfaces_, stored_normals_, vertex_normals_;
+  std::vector<float> surfaces_, stored_normals_, vertex_normals_, curvatures_;
   std::vector<std::int32_t> surfaces_of_primitives_, corners_;
   std::vector<Plane> planes_;
   std::vector<Lamp> lamps_;

@@ -17,10 +17,11 @@ template <int W> struct Waiting {
   Rays<W> rays;
   Colours<W> weight;
   int used;
+  Strayed<W> strayed;  // with F::rounding only
 };
 
 // The mirrored and the refracted rays of W points, put on the stack; the sum of their weights' zero lanes is not followed.
-template <int W>
+template <class F, int W>
 inline Waiting<W>* send_onward(const Tables& scene, const Points<W>& point, const Colours<W>& weight, int used, Waiting<W>* top) {
   const Vectors<W>& N = point.normal;
   const Floats<W> one = all_of<W>(1.0f), cosine = dot<W>(N, point.to_viewer);
@@ -34,14 +35,22 @@ inline Waiting<W>* send_onward(const Tables& scene, const Points<W>& point, cons
     const Colours<W> left = masked<W>(transparent & ~through.total, weight * point.colour(scene, column_through));
     const Mask<W> goes = shines<W>(left);
     if (any<W>(goes)) {
-      *top++ = {{beside<W>(point.position, point.reach, point.across, through.direction), through.direction, goes}, left, used};
+      *top = {{beside<W>(point.position, point.reach, point.across, through.direction), through.direction, goes}, left, used, {}};
+      if constexpr (F::rounding) {
+        const Floats<W> eta = point.outside ? one / ior : ior, slope = magnitude<W>(dot<W>(N, through.direction));
+        const Floats<W> bend = ior == 1.0f ? one : larger<W>(eta, (one + eta * magnitude<W>(cosine)) / larger<W>(slope, all_of<W>(least_slope)));
+        top->strayed = strayed_beyond<W>(point.moved, point.size(), bend, slope);
+      }
+      ++top;
     }
   }
   const Colours<W> left = masked<W>(point.found, weight * mirrored);
   const Mask<W> goes = shines<W>(left);
   if (any<W>(goes)) {
     const Vectors<W> direction = made_unit<W>(times<W>(N, 2.0f * cosine) - point.to_viewer);
-    *top++ = {{beside<W>(point.position, point.reach, point.across, direction), direction, goes}, left, used};
+    *top = {{beside<W>(point.position, point.reach, point.across, direction), direction, goes}, left, used, {}};
+    if constexpr (F::rounding) top->strayed = strayed_beyond<W>(point.moved, point.size(), one, Floats<W>{});
+    ++top;
   }
   return top;
 }
@@ -52,19 +61,21 @@ template <class F, int W> struct Accumulated {
 
 // Adds what the rays' first surfaces show, times `weight`. Returns what they met.
 template <class F, int W>
-inline Accumulated<F, W> seen_first(const Tables& scene, embree::PacketQueries& queries, const Rays<W>& rays, std::uint32_t* sent,
-                                    Points<W>& point) {
+inline Accumulated<F, W> seen_first(const Tables& scene, embree::PacketQueries& queries, const Rays<W>& rays, const Strayed<W>& strayed,
+                                    std::uint32_t* sent, Points<W>& point) {
   Hits<W> hits;
   find_nearest<W, F::planes>(scene, queries, rays, mask_all, hits);
   Accumulated<F, W> seen;
   seen.radiance = one_colour<W>(scene.background);
   point.found = hits.found;
+  if constexpr (F::rounding) seen.rounding = scaled<W>(seen.radiance, all_of<W>(2.0f));
   if (!any<W>(hits.found)) return seen;
-  point = points_met<F, W>(scene, rays, hits);
+  if constexpr (F::rounding) seen.rounding = {};
+  point = points_met<F, W>(scene, rays, hits, strayed);
   const Colours<W> local = local_light<F, W>(scene, queries, point, sent, seen.rounding);
   seen.radiance = {hits.found ? local.r : seen.radiance.r, hits.found ? local.g : seen.radiance.g, hits.found ? local.b : seen.radiance.b};
   if constexpr (F::rounding) {
-    seen.rounding = seen.rounding + scaled<W>(seen.radiance, all_of<W>(static_cast<float>(scene.lamp_count + 4)));
+    seen.rounding = masked<W>(hits.found, seen.rounding) + scaled<W>(seen.radiance, all_of<W>(static_cast<float>(scene.lamp_count + 4)));
   }
   return seen;
 }
@@ -75,13 +86,13 @@ inline void follow_all(const Tables& scene, embree::PacketQueries& queries, Wait
   while (top != stack) {
     const Waiting<W> next = *--top;
     Points<W> point;
-    const Accumulated<F, W> seen = seen_first<F, W>(scene, queries, next.rays, nullptr, point);
+    const Accumulated<F, W> seen = seen_first<F, W>(scene, queries, next.rays, next.strayed, nullptr, point);
     sum.radiance = sum.radiance + masked<W>(next.rays.active, next.weight * seen.radiance);
     if constexpr (F::rounding) {
       const Colours<W> more = scaled<W>(seen.radiance, all_of<W>(static_cast<float>(8 * next.used)));
       sum.rounding = sum.rounding + masked<W>(next.rays.active, next.weight * (seen.rounding + more));
     }
-    if (next.used < scene.recursion_limit && any<W>(point.found)) top = send_onward<W>(scene, point, next.weight, next.used + 1, top);
+    if (next.used < scene.recursion_limit && any<W>(point.found)) top = send_onward<F, W>(scene, point, next.weight, next.used + 1, top);
   }
 }
 
@@ -112,11 +123,11 @@ template <class F, int W> void render_blocks(const Tables& scene, std::size_t be
     const Rays<W> rays = rays_of_eye<W>(scene, block);
     std::uint32_t* const sent = out.shadowed == nullptr ? nullptr : out.shadowed + i * static_cast<std::size_t>(scene.lamp_count);
     Points<W> point;
-    Accumulated<F, W> sum = seen_first<F, W>(scene, coherent, rays, sent, point);
+    Accumulated<F, W> sum = seen_first<F, W>(scene, coherent, rays, of_the_eye<W>(), sent, point);
     if constexpr (F::secondary) {
       if (scene.recursion_limit > 0 && any<W>(point.found)) {
         const Floats<W> one = all_of<W>(1.0f);
-        Waiting<W>* const top = send_onward<W>(scene, point, {one, one, one}, 1, stack);
+        Waiting<W>* const top = send_onward<F, W>(scene, point, {one, one, one}, 1, stack);
         follow_all<F, W>(scene, scattered, stack, top, sum);
       }
     }

@@ -2,13 +2,18 @@
 //
 // Where the digits go: as derived in phong.h, with u = 2^-24 for 2^-53. Beyond that: 1/√ has 3 units instead of 1 (|δL| ≤ 9 u, N·L 15 u,
 // δ = |δ(R − V)| ≤ 50 u), and lobe.h adds 2^-21 = 8 u at the peak. So, in units of u:
-//   diffuse 35, lobe 30 √p + 25 (p < 1: a cosine known to 50 u leaves |a^p − b^p| ≤ |a − b|^p = (50 u)^p), the cone likewise.
-// Errors of P and N are geometric, and stated apart.
+//   diffuse 35, lobe 30 √p + 25, the cone likewise.
+// Besides, the geometry is found in float, too (strayed.h). With δP, δN, δV of the point, δL = δP / r:
+//   E            2 δP / r, no attenuation falls off faster than r^-2; a cone's cos^e: √(e/e) δL.
+//   diffuse      δN + δL.
+//   T − V        the same with the bend of the refraction for 1: T turns by bend δL + (bend + 1) δN.
+//   R − V        δ = 4 δN + 3 δL + δV (+ 50 u): the lobe moves by √(p/e) δ. p < 1: |a^p − b^p| ≤ |a − b|^p, so by δ^p.
 #pragma once
 
 #include "lobe.h"
 #include "packet.h"
 #include "shape_packet.h"
+#include "strayed.h"
 
 namespace equilux::fast {
 
@@ -33,7 +38,11 @@ template <int W> struct Points {
   Ints<W> rows;
   bool uniform;                            // all of one surface
   Floats<W> reach;
+  MovedPoint<W> moved;                     // with F::rounding only, as the curvature
+  Floats<W> curvature;
 
+  // The lengths that were added up to find the position.
+  Floats<W> size() const { return larger<W>(larger<W>(magnitude<W>(position.x), magnitude<W>(position.y)), magnitude<W>(position.z)) + reach; }
   Floats<W> material(const Tables& scene, int index) const { return column<W>(scene, rows, uniform, index); }
   Colours<W> colour(const Tables& scene, int index) const {
     return {material(scene, index), material(scene, index + 1), material(scene, index + 2)};
@@ -75,6 +84,7 @@ template <class F, int W> inline void find_normals(const Tables& scene, const Hi
           const Vectors<W> wound = times<W>(hits.across, all_of<W>(-1.0f));  // Embree's, in a frame of the other hand
           normal = chosen<W>(here, interpolated<W>(scene, primitive, hits, wound), normal);
           outward = chosen<W>(here, wound, outward);
+          if constexpr (F::rounding) point.curvature = here ? gathered<W>(scene.curvatures, primitive) : point.curvature;
         }
         break;
       case Facing::sphere: break;  // Embree's own leads from the centre
@@ -89,7 +99,8 @@ template <class F, int W> inline void find_normals(const Tables& scene, const Hi
   point.across = outward;
 }
 
-template <class F, int W> inline Points<W> points_met(const Tables& scene, const Rays<W>& rays, const Hits<W>& hits) {
+template <class F, int W>
+inline Points<W> points_met(const Tables& scene, const Rays<W>& rays, const Hits<W>& hits, const Strayed<W>& strayed) {
   Points<W> point;
   point.found = hits.found;
   const Floats<W> t = hits.found ? hits.t : Floats<W>{};
@@ -101,7 +112,13 @@ template <class F, int W> inline Points<W> points_met(const Tables& scene, const
   point.uniform = (packed<W>(point.rows == first) & found) == found;
   if (point.uniform) point.rows = all_of<W>(first);
   point.reach = point.material(scene, column_reach);
+  if constexpr (F::rounding) point.curvature = point.material(scene, column_curvature);
   find_normals<F, W>(scene, hits, point);
+  if constexpr (F::rounding) {
+    const Floats<W> along = t * root<W>(dot<W>(rays.direction, rays.direction));
+    const Floats<W> slope = magnitude<W>(dot<W>(made_unit<W>(point.across), point.to_viewer));
+    point.moved = moved_point<W>(strayed, along, 2.0f * point.size(), slope, point.curvature);
+  }
   return point;
 }
 
@@ -170,6 +187,33 @@ template <int W> inline Bent<W> refracted(const Vectors<W>& d, const Vectors<W>&
   return {chosen<W>(from == into, d, made_unit<W>(onward)), total & (from != into)};
 }
 
+// What one lamp may add to the error, in units of u; irradiance: with its shadow, where there is one.
+template <int W>
+inline Colours<W> rounding_of_lamp(const Lamp& lamp, const Way<W>& way, const Points<W>& point, Floats<W> cosine, const Colours<W>& irradiance,
+                                   const Colours<W>& diffuse, const Colours<W>& specular, Floats<W> exponent, Floats<W> bend,
+                                   Mask<W> both_sides) {
+  const Floats<W> to_light = point.moved.position * way.reciprocal;  // δL
+  const Floats<W> turned = (bend + 1.0f) * (2.0f * point.moved.normal + 1.5f * to_light + 25 * unit_roundoff) + point.moved.view;
+  const Floats<W> share = 2.0f * to_light + (lamp.kind == LampKind::spot && lamp.exponent > 0
+                                                 ? (to_light + 50 * unit_roundoff) * (__builtin_sqrtf(lamp.exponent) + 1.0f)
+                                                 : Floats<W>{});
+  const Floats<W> of_diffuse = point.moved.normal + to_light + share + 35 * unit_roundoff;
+  const Floats<W> small = exponential<W>(exponent * log1p_of_minus<W>(1.0f - smaller<W>(turned, all_of<W>(0.5f))));
+  const Floats<W> steep = exponent < 1.0f ? small : 0.61f * root<W>(exponent) * turned;
+  const Floats<W> of_lobe = steep + share + 25 * unit_roundoff;
+  const Mask<W> may_shine = point.found & (both_sides | (cosine > -turned));
+  const Colours<W> sum = scaled<W>(diffuse, of_diffuse) + scaled<W>(specular, of_lobe);
+  return scaled<W>(masked<W>(may_shine, irradiance * sum), all_of<W>(1 / unit_roundoff));
+}
+
+// How many times as much the light from behind turns at the surface as it turned before, at most (raytraced.h); 1 for light from in front.
+template <int W> inline Floats<W> bend_of_light(const Tables& scene, const Points<W>& point, Floats<W> cosine) {
+  const Floats<W> one = all_of<W>(1.0f), ior = point.material(scene, column_ior);
+  const Floats<W> eta = point.outside ? ior : one / ior, rest = 1.0f - eta * eta * (1.0f - cosine * cosine);
+  const Floats<W> slope = larger<W>(root<W>(larger<W>(rest, Floats<W>{})), all_of<W>(least_slope));
+  return (cosine < 0.0f) & (ior != 1.0f) ? larger<W>(eta, (one + eta * magnitude<W>(cosine)) / slope) : one;
+}
+
 // Emission, ambient and the lights, on both sides where something is transparent.
 template <class F, int W>
 inline Colours<W> local_light(const Tables& scene, embree::PacketQueries& queries, const Points<W>& point, std::uint32_t* sent,
@@ -198,13 +242,10 @@ inline Colours<W> local_light(const Tables& scene, embree::PacketQueries& querie
       steepness = magnitude<W>(cosine);
     }
     Colours<W> irradiance = scaled<W>(one_colour<W>(lamp.strength), share);
-    Colours<W> possible;
-    if constexpr (F::rounding) possible = masked<W>(point.found, irradiance);
-
     // 2. What its shadow leaves
     if constexpr (F::shadows) {
       if (sent != nullptr) sent[k] = packed<W>(lit);
-      if (!any<W>(lit)) continue;
+      if (!F::rounding && !any<W>(lit)) continue;
       if constexpr (F::secondary) {
         irradiance = irradiance * shadow_of<F, W>(scene, queries, point, way, lit);
       } else {
@@ -213,10 +254,24 @@ inline Colours<W> local_light(const Tables& scene, embree::PacketQueries& querie
       }
     }
 
+    if constexpr (F::rounding) {
+      Floats<W> bend = all_of<W>(1.0f);
+      Mask<W> both_sides{};
+      Colours<W> possible = irradiance;
+      if constexpr (F::secondary) {
+        bend = bend_of_light<W>(scene, point, cosine);
+        both_sides = point.material(scene, column_behind) > 0.0f;
+        const Floats<W> open = larger<W>(point.material(scene, column_front), point.material(scene, column_behind));
+        const Mask<W> unlit = ~lit & point.found & (magnitude<W>(cosine) < 0x1p-10f);  // rounding may have shut the gate
+        const Colours<W> opened = scaled<W>(one_colour<W>(lamp.strength), arriving_share<F, W>(lamp, way) * open);
+        possible = {unlit ? opened.r : possible.r, unlit ? opened.g : possible.g, unlit ? opened.b : possible.b};
+      }
+      rounding = rounding + rounding_of_lamp<W>(lamp, way, point, cosine, possible, diffuse, specular, exponent, bend, both_sides);
+    }
+
     // 3. The two terms
     irradiance = masked<W>(lit, irradiance);
     sum = sum + scaled<W>(irradiance * diffuse, steepness);
-    Floats<W> peak{};
     if constexpr (F::specular) {
       const Vectors<W> mirrored = times<W>(point.normal, 2.0f * cosine) - way.direction;
       Vectors<W> brightest = mirrored;
@@ -233,13 +288,6 @@ inline Colours<W> local_light(const Tables& scene, embree::PacketQueries& querie
       }
       const Floats<W> height = lobe<W>(brightest, point.to_viewer, exponent);
       sum = sum + scaled<W>(irradiance * specular, has_lobe ? height : Floats<W>{});
-      if constexpr (F::rounding) peak = 30.0f * root<W>(exponent) + 25.0f;
-    }
-    if constexpr (F::rounding) {
-      const float cone = lamp.kind == LampKind::spot && lamp.exponent > 0 ? 30 * __builtin_sqrtf(lamp.exponent) + 25 : 0;
-      // p < 1: (50 u)^p
-      const Floats<W> steep = exponent < 1.0f ? exponential<W>(exponent * -12.7f) * 0x1p24f : Floats<W>{};
-      rounding = rounding + possible * (scaled<W>(diffuse, all_of<W>(35 + cone)) + scaled<W>(specular, peak + steep + cone));
     }
   }
   return sum;

@@ -40,6 +40,7 @@ enum SurfaceColumn : int {
   column_ior = 18,
   column_shadow = 19,       // what a crossing leaves of light, 3; opaque: 0
   column_reach = 22,        // how far a vertex or the centre lies, at most, from any point of a primitive
+  column_curvature = 23,    // |change of N| per scaled unit of length, at most; of interpolated normals: a triangle's own
 };
 constexpr std::int32_t surface_stride = 24;
 
@@ -87,6 +88,7 @@ struct Tables {
   const float* stored_normals = nullptr;   // 4 per primitive
   const std::int32_t* corners = nullptr;   // 3 per triangle: place of the vertex's normal
   const float* vertex_normals = nullptr;   // 4 per vertex
+  const float* curvatures = nullptr;       // of the same triangles
   const Plane* planes = nullptr;
   int plane_count = 0;
   const Lamp* lamps = nullptr;
