@@ -7,89 +7,93 @@
 
 #include <cmath>
 
+#include "lanes.h"
+
 namespace equilux {
 
-struct DoubleDouble {
-  double hi = 0, lo = 0;
+// T: double, or Doubles<W> for W numbers at a time, which come out as one by one.
+template <class T>
+struct Doubled {
+  T hi{}, lo{};
 
-  constexpr DoubleDouble() = default;
-  constexpr DoubleDouble(double value) : hi(value) {}  // implicit on purpose: every double is exactly a double-double
-  constexpr DoubleDouble(double high, double low) : hi(high), lo(low) {}
+  constexpr Doubled() = default;
+  constexpr Doubled(T value) : hi(value) {}  // implicit on purpose: every double is exactly a double-double
+  constexpr Doubled(T high, T low) : hi(high), lo(low) {}
+
+  friend Doubled operator-(Doubled a) { return {-a.hi, -a.lo}; }
+
+  friend Doubled operator+(Doubled a, Doubled b) {
+    Doubled sum = two_sum(a.hi, b.hi);
+    const Doubled tail = two_sum(a.lo, b.lo);
+    sum = quick_two_sum(sum.hi, sum.lo + tail.hi);
+    return quick_two_sum(sum.hi, sum.lo + tail.lo);
+  }
+
+  friend Doubled operator-(Doubled a, Doubled b) { return a + (-b); }
+
+  friend Doubled operator*(Doubled a, Doubled b) {
+    const Doubled product = two_product(a.hi, b.hi);
+    return quick_two_sum(product.hi, product.lo + (a.hi * b.lo + a.lo * b.hi));
+  }
+
+  friend Doubled operator*(Doubled a, T b) {
+    const Doubled product = two_product(a.hi, b);
+    return quick_two_sum(product.hi, product.lo + a.lo * b);
+  }
+
+  friend Doubled operator/(Doubled a, Doubled b) {
+    const T first = a.hi / b.hi;
+    Doubled rest = a - b * first;
+    const T second = rest.hi / b.hi;
+    rest = rest - b * second;
+    const T third = rest.hi / b.hi;
+    return quick_two_sum(first, second) + Doubled(third);
+  }
+
+  friend bool operator<(Doubled a, Doubled b) { return a.hi < b.hi || (a.hi == b.hi && a.lo < b.lo); }
+  friend bool operator>(Doubled a, Doubled b) { return b < a; }
+
+  // --- error-free transforms ---
+
+  // a + b exactly, where |a| ≥ |b|.
+  static Doubled quick_two_sum(T a, T b) {
+    const T sum = a + b;
+    return {sum, b - (sum - a)};
+  }
+
+  // a + b exactly.
+  static Doubled two_sum(T a, T b) {
+    const T sum = a + b;
+    const T b_seen = sum - a;
+    return {sum, (a - (sum - b_seen)) + (b - b_seen)};
+  }
+
+  // a × b exactly (no under- or overflow). Both ways give the same two doubles, so a machine without FMA computes the same image.
+  static Doubled two_product(T a, T b) {
+    const T product = a * b;
+#if defined(EQUILUX_FUSED)
+    return {product, fused_difference(a, b, product)};
+#else
+    constexpr double splitter = 134217729.0;  // 2^27 + 1
+    const T a_big = splitter * a, b_big = splitter * b;
+    const T a_hi = a_big - (a_big - a), b_hi = b_big - (b_big - b);
+    const T a_lo = a - a_hi, b_lo = b - b_hi;
+    return {product, ((a_hi * b_hi - product) + a_hi * b_lo + a_lo * b_hi) + a_lo * b_lo};
+#endif
+  }
 };
 
-// --- error-free transforms ---
+using DoubleDouble = Doubled<double>;
 
-// a + b exactly, where |a| ≥ |b|.
-inline DoubleDouble quick_two_sum(double a, double b) {
-  const double sum = a + b;
-  return {sum, b - (sum - a)};
-}
-
-// a + b exactly.
-inline DoubleDouble two_sum(double a, double b) {
-  const double sum = a + b;
-  const double b_seen = sum - a;
-  return {sum, (a - (sum - b_seen)) + (b - b_seen)};
-}
-
-// a − b exactly.
-inline DoubleDouble two_difference(double a, double b) { return two_sum(a, -b); }
-
-// a × b exactly (no under- or overflow). Both ways give the same two doubles, so a machine without FMA computes the same image.
-inline DoubleDouble two_product(double a, double b) {
-  const double product = a * b;
-#if defined(__FMA__) || defined(__aarch64__)
-  return {product, __builtin_fma(a, b, -product)};
-#else
-  constexpr double splitter = 134217729.0;  // 2^27 + 1
-  const double a_big = splitter * a, b_big = splitter * b;
-  const double a_hi = a_big - (a_big - a), b_hi = b_big - (b_big - b);
-  const double a_lo = a - a_hi, b_lo = b - b_hi;
-  return {product, ((a_hi * b_hi - product) + a_hi * b_lo + a_lo * b_hi) + a_lo * b_lo};
-#endif
-}
-
-// --- arithmetic ---
-
-inline DoubleDouble operator-(DoubleDouble a) { return {-a.hi, -a.lo}; }
-
-inline DoubleDouble operator+(DoubleDouble a, DoubleDouble b) {
-  DoubleDouble sum = two_sum(a.hi, b.hi);
-  const DoubleDouble tail = two_sum(a.lo, b.lo);
-  sum = quick_two_sum(sum.hi, sum.lo + tail.hi);
-  return quick_two_sum(sum.hi, sum.lo + tail.lo);
-}
-
-inline DoubleDouble operator-(DoubleDouble a, DoubleDouble b) { return a + (-b); }
-
-inline DoubleDouble operator*(DoubleDouble a, DoubleDouble b) {
-  DoubleDouble product = two_product(a.hi, b.hi);
-  return quick_two_sum(product.hi, product.lo + (a.hi * b.lo + a.lo * b.hi));
-}
-
-inline DoubleDouble operator*(DoubleDouble a, double b) {
-  DoubleDouble product = two_product(a.hi, b);
-  return quick_two_sum(product.hi, product.lo + a.lo * b);
-}
-
-inline DoubleDouble operator/(DoubleDouble a, DoubleDouble b) {
-  const double first = a.hi / b.hi;
-  DoubleDouble rest = a - b * first;
-  const double second = rest.hi / b.hi;
-  rest = rest - b * second;
-  const double third = rest.hi / b.hi;
-  return quick_two_sum(first, second) + DoubleDouble(third);
-}
-
-inline bool operator<(DoubleDouble a, DoubleDouble b) { return a.hi < b.hi || (a.hi == b.hi && a.lo < b.lo); }
-inline bool operator>(DoubleDouble a, DoubleDouble b) { return b < a; }
+inline DoubleDouble quick_two_sum(double a, double b) { return DoubleDouble::quick_two_sum(a, b); }
+inline DoubleDouble two_sum(double a, double b) { return DoubleDouble::two_sum(a, b); }
+inline DoubleDouble two_difference(double a, double b) { return two_sum(a, -b); }  // a − b exactly
+inline DoubleDouble two_product(double a, double b) { return DoubleDouble::two_product(a, b); }
 
 // --- functions that templates use for double and DoubleDouble alike ---
 
 inline double to_double(double value) { return value; }
-inline double to_double(DoubleDouble value) { return value.hi + value.lo; }
-
-inline double square_root(double value) { return std::sqrt(value); }
+template <class T> inline T to_double(Doubled<T> value) { return value.hi + value.lo; }
 
 // One Newton step on 1/√a from the double's root (Karp and Markstein).
 inline DoubleDouble square_root(DoubleDouble a) {

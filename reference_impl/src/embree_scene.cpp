@@ -121,13 +121,21 @@ double largest_extent(const World& world) {
   return largest;
 }
 
-void attach(RTCScene scene, void* user, std::size_t count, RTCBoundsFunction bounds, RTCIntersectFunctionN intersect) {
+// What Embree calls for one kind of primitive. occluded: null where nothing asks.
+struct Callbacks {
+  RTCBoundsFunction bounds;
+  RTCIntersectFunctionN intersect;
+  RTCOccludedFunctionN occluded = nullptr;
+};
+
+void attach(RTCScene scene, void* user, std::size_t count, const Callbacks& callbacks) {
   if (count == 0) return;
   RTCGeometry geometry = rtcNewGeometry(shared_device(), RTC_GEOMETRY_TYPE_USER);
   rtcSetGeometryUserPrimitiveCount(geometry, static_cast<unsigned>(count));
   rtcSetGeometryUserData(geometry, user);
-  rtcSetGeometryBoundsFunction(geometry, bounds, nullptr);
-  rtcSetGeometryIntersectFunction(geometry, intersect);
+  rtcSetGeometryBoundsFunction(geometry, callbacks.bounds, nullptr);
+  rtcSetGeometryIntersectFunction(geometry, callbacks.intersect);
+  rtcSetGeometryOccludedFunction(geometry, callbacks.occluded);
   rtcCommitGeometry(geometry);
   rtcAttachGeometry(scene, geometry);
   rtcReleaseGeometry(geometry);
@@ -162,14 +170,13 @@ void commit(RTCScene scene) {
   if (error != RTC_ERROR_NONE) throw TracerError("Embree could not build the scene: error " + std::to_string(error));
 }
 
-void attach_all(World& world, RTCScene scene, RTCBoundsFunction object_bounds, RTCIntersectFunctionN intersect_object,
-                RTCBoundsFunction triangle_bounds, RTCIntersectFunctionN intersect_triangle) {
+void attach_all(World& world, RTCScene scene, const Callbacks& object, const Callbacks& triangle) {
   rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);
-  attach(scene, &world, world.bounded.size(), object_bounds, intersect_object);
+  attach(scene, &world, world.bounded.size(), object);
   for (std::size_t i = 0; i < world.meshes.size(); ++i) {
     MeshTag& tag = world.boxes->tags[i];
     tag = {&world, static_cast<int>(i)};
-    attach(scene, &tag, world.meshes[i].given->faces.size(), triangle_bounds, intersect_triangle);
+    attach(scene, &tag, world.meshes[i].given->faces.size(), triangle);
   }
   commit(scene);
 }
@@ -191,7 +198,8 @@ void World::build_transport_boxes() {
   built.scale = half > 0 ? std::ldexp(1.0, -std::ilogb(half) - 1) : 1;
   built.padding = transport_padding + 0x1p-48 * built.scale * extent(all);
   built.embree = rtcNewScene(shared_device());
-  attach_all(*this, built.embree, object_bounds_for_transport, transport_objects, triangle_bounds_for_transport, transport_mesh);
+  attach_all(*this, built.embree, {object_bounds_for_transport, transport_objects, objects_between},
+             {triangle_bounds_for_transport, transport_mesh, mesh_between});
 }
 
 void World::build_embree() {
@@ -199,7 +207,7 @@ void World::build_embree() {
   const double largest = largest_extent(*this);
   boxes->embree_scale = largest > 0 ? std::ldexp(1.0, -std::ilogb(largest)) : 1;
   boxes->embree = rtcNewScene(shared_device());
-  attach_all(*this, boxes->embree, object_bounds_for_embree, intersect_objects, triangle_bounds_for_embree, intersect_mesh);
+  attach_all(*this, boxes->embree, {object_bounds_for_embree, intersect_objects}, {triangle_bounds_for_embree, intersect_mesh});
 }
 
 }  // namespace equilux

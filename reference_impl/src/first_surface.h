@@ -6,23 +6,28 @@
 
 namespace equilux {
 
-// shade(point, i) writes sample i. F::Precision finds the surface, F::channels says whether anything but radiance is asked for.
+// One sample: shade(point, i) writes it. F::Precision finds the surface, F::channels says whether anything but radiance is asked for.
+template <class F, class Shade>
+void render_one(const World& world, const Samples& samples, const Outputs& out, Search& search, SurfacePoint& point, std::size_t i,
+                const Shade& shade) {
+  search.world = &world;
+  double x, y;
+  samples.position(i, x, y);
+  if (F::Precision::find(world, search, x, y, point)) {
+    shade(point, i);
+  } else {
+    write_miss<F>(world, out, i);
+  }
+}
+
+// All of them.
 template <class F, class Shade>
 bool render_first_surface(const World& world, const Samples& samples, const Outputs& out, int threads, const Cancel* cancel,
                           const Interrupted& interrupted, const Shade& shade) {
   return for_each_chunk(samples.count, threads, cancel, interrupted, [&](std::size_t begin, std::size_t end) {
     Search search;
-    search.world = &world;
     SurfacePoint point;
-    for (std::size_t i = begin; i < end; ++i) {
-      double x, y;
-      samples.position(i, x, y);
-      if (F::Precision::find(world, search, x, y, point)) {
-        shade(point, i);
-      } else {
-        write_miss<F>(world, out, i);
-      }
-    }
+    for (std::size_t i = begin; i < end; ++i) render_one<F>(world, samples, out, search, point, i, shade);
   });
 }
 

@@ -1,6 +1,7 @@
 // Model phong: nothing but the first surface and the lights.
 #include "first_surface.h"
 #include "kernels.h"
+#include "packets/render_packets.h"
 #include "stated.h"
 
 namespace equilux {
@@ -71,9 +72,24 @@ template <class F> void shade(const World& world, const SurfacePoint& point, con
   }
 }
 
+// Without channels, packets do what is plain.
+template <class F>
+bool render_in_packets(const World& world, const Samples& samples, const Outputs& out, int threads, const Cancel* cancel,
+                       const Interrupted& interrupted) {
+  const auto one_by_one = [&] {
+    return packets::Sampler([&, search = Search{}, point = SurfacePoint{}](std::size_t i) mutable {
+      render_one<F>(world, samples, out, search, point, i, [&](const SurfacePoint& at, std::size_t k) { shade<F>(world, at, out, k); });
+    });
+  };
+  return packets::render(world, samples, out, threads, cancel, interrupted, one_by_one);
+}
+
 template <class F>
 bool render_with(const World& world, const Samples& samples, const Outputs& out, int threads, const Cancel* cancel,
                  const Interrupted& interrupted) {
+  if constexpr (!F::channels) {
+    if (packets::suit(world, out)) return render_in_packets<F>(world, samples, out, threads, cancel, interrupted);
+  }
   return render_first_surface<F>(world, samples, out, threads, cancel, interrupted,
                                  [&](const SurfacePoint& point, std::size_t i) { shade<F>(world, point, out, i); });
 }

@@ -1,5 +1,8 @@
 // Model raytraced: what is seen, mirrored and refracted, to the recursion limit.
+#include <memory>
+
 #include "kernels.h"
+#include "packets/render_packets.h"
 #include "path.h"
 #include "precision.h"
 
@@ -27,29 +30,62 @@ template <class F> void write_sample(Tracing& tracing, const SurfacePoint& point
   }
 }
 
+// Samples one by one; one per thread.
+template <class F> class OneByOne {
+ public:
+  OneByOne(const World& world, const Samples& samples, const Outputs& out)
+      : world_(world), samples_(samples), out_(out), tracing_(world, out) {
+    search_.world = &world;
+  }
+
+  // False: cancelled.
+  bool render(std::size_t i, const Stopped& stopped) {
+    double x, y;
+    samples_.position(i, x, y);
+    if (!Exact::find(world_, search_, x, y, point_)) {
+      write_miss<F>(world_, out_, i);
+      return true;
+    }
+    tracing_.begin();
+    Journey journey;
+    if constexpr (F::ruled) journey = first_journey(tracing_, search_.film_ray, point_);
+    shade<F>(tracing_, {point_, material_of(world_, point_.object), {1, 1, 1}, 0, Branch::none, i, {}, journey});
+    if constexpr (F::secondary) {
+      if (!follow_all<F>(tracing_, i, stopped)) return false;
+    }
+    write_sample<F>(tracing_, point_, i);
+    return true;
+  }
+
+ private:
+  const World& world_;
+  const Samples& samples_;
+  const Outputs& out_;
+  Search search_;
+  SurfacePoint point_;
+  Tracing tracing_;
+};
+
+// Where no ray is followed further and only radiance is asked for, packets do what is plain.
+template <class F>
+bool render_in_packets(const World& world, const Samples& samples, const Outputs& out, int threads, const Cancel* cancel,
+                       const Interrupted& interrupted) {
+  const auto one_by_one = [&] {
+    return packets::Sampler([single = std::make_shared<OneByOne<F>>(world, samples, out)](std::size_t i) { single->render(i, {}); });
+  };
+  return packets::render(world, samples, out, threads, cancel, interrupted, one_by_one);
+}
+
 template <class F>
 bool render_with(const World& world, const Samples& samples, const Outputs& out, int threads, const Cancel* cancel,
                  const Interrupted& interrupted) {
+  if constexpr (!F::secondary && !F::channels) {
+    if (packets::suit(world, out)) return render_in_packets<F>(world, samples, out, threads, cancel, interrupted);
+  }
   return for_each_chunk(samples.count, threads, cancel, interrupted, [&](std::size_t begin, std::size_t end, const Stopped& stopped) {
-    Search search;
-    search.world = &world;
-    SurfacePoint point;
-    Tracing tracing(world, out);
+    OneByOne<F> single(world, samples, out);
     for (std::size_t i = begin; i < end; ++i) {
-      double x, y;
-      samples.position(i, x, y);
-      if (!Exact::find(world, search, x, y, point)) {
-        write_miss<F>(world, out, i);
-        continue;
-      }
-      tracing.begin();
-      Journey journey;
-      if constexpr (F::ruled) journey = first_journey(tracing, search.film_ray, point);
-      shade<F>(tracing, {point, material_of(world, point.object), {1, 1, 1}, 0, Branch::none, i, {}, journey});
-      if constexpr (F::secondary) {
-        if (!follow_all<F>(tracing, i, stopped)) return;
-      }
-      write_sample<F>(tracing, point, i);
+      if (!single.render(i, stopped)) return;
     }
   });
 }

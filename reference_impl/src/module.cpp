@@ -12,6 +12,7 @@
 #include "embree_shim.h"
 #include "fast/binding.h"
 #include "kernel.h"
+#include "packets/render_packets.h"
 #include "rules_binding.h"
 #include "sensitivity.h"
 
@@ -306,6 +307,7 @@ NB_MODULE(_tracer, m) {
   using namespace equilux;
   m.doc() = "The exact tracer of equilux: Embree finds candidates, double and double-double decide and shade.";
   m.attr("embree_version") = RTC_VERSION_STRING;
+  m.def("limit_packets", &packets::limit_lanes, nb::arg("lanes"));
   nb::exception<TracerError>(m, "TracerError", PyExc_ValueError);
   nb::exception<Cancelled>(m, "Cancelled", PyExc_RuntimeError);
   bind_kinds(m);

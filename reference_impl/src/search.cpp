@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "packets/packets.h"
 #include "shapes/dispatch.h"
 
 namespace equilux {
@@ -76,6 +77,7 @@ void shorten(const RTCIntersectFunctionNArguments* args, const Search& search) {
 // --- Embree's callbacks -----------------------------------------------------------------------------------------------
 
 void intersect_objects(const RTCIntersectFunctionNArguments* args) {
+  if (args->N > 1) return packets::query_of<1>(args).object(args);
   if (!args->valid[0]) return;
   Search& search = *search_of(args);
   try_object(search, search.world->bounded[args->primID]);
@@ -83,6 +85,7 @@ void intersect_objects(const RTCIntersectFunctionNArguments* args) {
 }
 
 void intersect_mesh(const RTCIntersectFunctionNArguments* args) {
+  if (args->N > 1) return packets::query_of<1>(args).triangle(args);
   if (!args->valid[0]) return;
   Search& search = *search_of(args);
   try_triangle(search, static_cast<const MeshTag*>(args->geometryUserPtr)->mesh, args->primID);

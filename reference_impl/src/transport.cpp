@@ -5,6 +5,7 @@
 #include <tuple>
 #include <utility>
 
+#include "packets/packets.h"
 #include "shapes/dispatch.h"
 
 namespace equilux {
@@ -157,6 +158,10 @@ void transport_mesh(const RTCIntersectFunctionNArguments* args) {
   traversal.try_triangle(static_cast<const MeshTag*>(args->geometryUserPtr)->mesh, args->primID);
   shorten(args, traversal);
 }
+
+void objects_between(const RTCOccludedFunctionNArguments* args) { packets::query_of<1>(args).object_between(args); }
+
+void mesh_between(const RTCOccludedFunctionNArguments* args) { packets::query_of<1>(args).triangle_between(args); }
 
 // --- crossings --------------------------------------------------------------------------------------------------------
 

@@ -107,4 +107,8 @@ class ShadowRays final : public Crossed {
 void transport_objects(const RTCIntersectFunctionNArguments* args);
 void transport_mesh(const RTCIntersectFunctionNArguments* args);
 
+// The same for packets of shadow rays; single ones ask for every crossing.
+void objects_between(const RTCOccludedFunctionNArguments* args);
+void mesh_between(const RTCOccludedFunctionNArguments* args);
+
 }  // namespace equilux
