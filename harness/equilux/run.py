@@ -42,7 +42,7 @@ INTERRUPTED = 130
 @dataclass(frozen=True)
 class Options:
     """How to carry out a plan. `jobs`: cores to use. `diagnose`: say why renders diverge, each within `diagnosis_limit_s`.
-    `command`: what the user typed, for the record."""
+    `materials`: write what every case's BRDFs are. `command`: what the user typed, for the record."""
 
     out: Path
     jobs: int = field(default_factory=machine.available_cores)
@@ -53,6 +53,7 @@ class Options:
     flip: bool = False
     diagnose: bool = True
     diagnosis_limit_s: float = TIME_LIMIT_S
+    materials: bool = True
     command: tuple[str, ...] = ()
 
 
@@ -239,7 +240,7 @@ class _Run:
         """Judge everything and write results.json and the final run.json."""
         worked = [work for work in self._work.values() if work.records]
         cases = [self._judged(work) for work in worked]
-        for work in worked:
+        for work in worked if self._options.materials else ():
             write_json(self._tree.case_folder(work.case.name) / "materials.json", materials_json(work.case))
         statuses = [(name, render.status) for case in cases for name, render in case.renders.items()]
         pairs = [(pair.a, pair.b, pair.judged) for case in cases for pair in case.pairs]

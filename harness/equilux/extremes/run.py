@@ -33,7 +33,7 @@ def carry_out(push: Push, options: Options) -> Pushed:
 
     options.diagnose: whether to say why the first broken picture of each direction is wrong; nothing else is diagnosed.
     """
-    finished = execute(push.plan, replace(options, diagnose=False), telling.suitable(push))
+    finished = execute(push.plan, replace(options, diagnose=False, materials=False), telling.suitable(push))
     if finished.exit_code == INTERRUPTED:
         return Pushed(None, finished.errors)
     axes: Sequence[AxisRecord] = measured(push, finished.results, options.out)
