@@ -12,6 +12,7 @@ from equilux.casework import CaseWork
 from equilux.diagnose.diagnosis import Found
 from equilux.judge import DELIVERED, judge_case
 from equilux.results import (
+    AccuracyRecord,
     CaseRecord,
     ExpectationRecord,
     Luminance,
@@ -86,6 +87,8 @@ def _render_record(record: Mapping[str, Any], luminance: Luminance | None, stand
         seconds=record["seconds"],
         cpu_seconds=record.get("cpu_seconds", {}),
         reused=record["reused"],
+        accuracy=AccuracyRecord.model_validate(record["accuracy"]) if record.get("accuracy") else None,
+        largest=(record.get("image") or {}).get("largest"),
         luminance=luminance,
         standing=standing,
         uncertainty=StatedUncertainty(**{name: stated[name] for name in StatedUncertainty.model_fields}) if stated else None,

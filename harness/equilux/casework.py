@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from equilux import budget_file, compare, diagnosing, uncertainty
+from equilux.accuracy import NOT_YET, Demand
 from equilux.adapter import Budget, Case, Geometric, Image
 from equilux.diagnose.diagnosis import Diagnosis
 from equilux.identity import case_digest, comparer_identity
@@ -23,7 +24,7 @@ from equilux.lazytracer import LazyTracer
 from equilux.luminance import luminance_of, photometry_of
 from equilux.peerpairs import Explanation, Peers
 from equilux.planes import read_planes, write_planes
-from equilux.results import Luminance
+from equilux.results import AccuracyRecord, Luminance
 from equilux.reuse import Store, key
 from equilux.tree import Tree, read_json
 from equilux.trust import TRUTHS, ordered_pair, truth_among
@@ -89,12 +90,17 @@ class CaseWork:
         outcome = Outcome(status, reason, missing_features=list(missing_features), attempts=0)
         self.settle(who, outcome, self.tree.stage())
 
-    def settle(self, who: Provenance, outcome: Outcome, folder: Path, *, reused: bool = False, compare_too: bool = True) -> str:
+    def settle(
+        self, who: Provenance, outcome: Outcome, folder: Path, *, reused: bool = False, compare_too: bool = True,
+        demand: Demand | None = None,
+    ) -> str:  # fmt: skip
         """Turn what a job left in `folder` into the render's folder in the tree, and compare it with its peers. Returns its
-        status."""
+        status; or, where it claims less than is asked of it and more can be tried, NOT_YET: then nothing is done but that the
+        render is remembered, and the folder stays."""
         delivered: Delivered | None = None
         image_facts: dict[str, Any] | None = None
         stated: Uncertainty | None = None
+        accuracy: AccuracyRecord | None = None
         status, reason = outcome.status, outcome.reason
         if status == "ok":
             try:
@@ -107,9 +113,14 @@ class CaseWork:
                     status, reason = "invalid", _invalid_reason(image_facts)
                 elif not reused and self.store is not None and who.key is not None:
                     self._remember(who.key, outcome, folder)
+                if demand is not None and status == "ok":
+                    accuracy = demand.judged(image, stated, who.knobs)
+                    if not accuracy.met and not demand.last:
+                        return NOT_YET
                 _save_pictures(folder, image, stated)
             except (BadDelivery, budget_file.MalformedBudget, ValueError) as problem:
                 status, reason, delivered, stated, image_facts = "failed", str(problem), None, None, None
+                accuracy = None
         _clean(folder, keep_picture=delivered is not None)
         record = {
             "schema": RENDER_SCHEMA,
@@ -124,6 +135,7 @@ class CaseWork:
             "seconds": outcome.seconds,
             "cpu_seconds": outcome.cpu_seconds,
             "uncertainty": stated.to_json() if stated is not None else None,
+            "accuracy": accuracy.model_dump(mode="json") if accuracy is not None else None,
             "knobs": dict(who.knobs),
             "environment": outcome.environment,
             "stderr_tail": outcome.stderr_tail,
@@ -138,10 +150,10 @@ class CaseWork:
         self._join(who.adapter, record, delivered, compare_too=compare_too)
         return status
 
-    def settle_from_store(self, who: Provenance) -> bool:
-        """Take the render from the store. False when it is not there."""
+    def settle_from_store(self, who: Provenance, demand: Demand | None = None) -> str | None:
+        """Take the render from the store. Returns what `settle` does; None when it is not there."""
         if self.store is None or who.key is None:
-            return False
+            return None
         folder = self.tree.stage()
         try:
             if self.store.fetch("renders", who.key, folder) and (saved := read_json(folder / OUTCOME_FILE)) is not None:
@@ -153,16 +165,18 @@ class CaseWork:
                 ):
                     raise ValueError("the program is not what it was")
                 self._load(folder)
-                self.settle(who, outcome, folder, reused=True)
-                return True
+                status = self.settle(who, outcome, folder, reused=True, demand=demand)
+                if status == NOT_YET:
+                    shutil.rmtree(folder, ignore_errors=True)
+                return status
         except (OSError, ValueError, TypeError, KeyError, BadDelivery, budget_file.MalformedBudget):
             pass  # written by something else than this code: as good as absent
         shutil.rmtree(folder, ignore_errors=True)
-        return False
+        return None
 
-    def settle_earlier(self, who: Provenance) -> bool:
-        """Keep the render that a continued tree already holds. False when there is none that is whole and made from the same
-        inputs."""
+    def settle_earlier(self, who: Provenance, demand: Demand | None = None) -> bool:
+        """Keep the render that a continued tree already holds. False when there is none that is whole, made from the same inputs
+        and as accurate as is asked."""
         folder = self.tree.render_folder(self.case.name, who.adapter)
         record = read_json(folder / "render.json")
         if record is None or who.key is None or record.get("status") != "ok" or record.get("key") != who.key:
@@ -176,6 +190,11 @@ class CaseWork:
             return False
         if hashlib.sha256(image.tobytes()).hexdigest() != record["image"]["sha256"]:
             return False
+        if demand is not None:
+            accuracy = demand.judged(image, stated, who.knobs)
+            if not accuracy.met and not demand.last:
+                return False
+            record["accuracy"] = accuracy.model_dump(mode="json")
         record["reused"] = True
         diagnosing.save(None, folder)  # it is made again, or found in the store: what it was made against may have changed
         its_key = str(who.key)
@@ -403,6 +422,7 @@ def _image_facts(image: Image, stated: Uncertainty) -> dict[str, Any]:
         "height": image.shape[0],
         "dtype": str(image.dtype),
         "sha256": hashlib.sha256(image.tobytes()).hexdigest(),
+        "largest": float(np.abs(image[finite]).max(initial=0.0)),
         "nan": pixels(np.isnan(image)),
         "+inf": pixels(np.isposinf(image)),
         "-inf": pixels(np.isneginf(image)),

@@ -5,11 +5,15 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 from equilux.adapter import Capability, Case, Knobs
 from equilux.complaint import BadUsage
 from equilux.registry import Entry, Registry, last_line
 from equilux.trust import TRUTHS
+
+if TYPE_CHECKING:
+    from equilux.accuracy import Ladders
 
 RUN = "run"
 
@@ -41,15 +45,18 @@ class Plan:
     """Adapters that the user asked for by name: missing ones are a failure."""
     added: tuple[str, ...] = ()
     """Truths that were added because they were not named."""
+    ladders: Ladders | None = None
+    """The accuracy that is asked for, and what is tried for it."""
 
     def identity(self) -> dict[str, object]:
         """What must agree for an existing results tree to be continued: scenes, adapters, versions, knobs."""
         from equilux.identity import adapter_identity, case_digest
 
-        return {
+        identity: dict[str, object] = {
             "cases": {case.name: case_digest(case) for case in self.cases},
             "adapters": {entry.name: adapter_identity(entry, self.knobs.get(entry.name)) for entry in self.entries},
         }
+        return identity | ({"accuracy": self.ladders.identity()} if self.ladders is not None else {})
 
 
 @dataclass(frozen=True)

@@ -59,6 +59,18 @@ class Photometry(Record):
     lights: dict[str, str] = Field(default={}, description="how lights were given that were not given by bands")
 
 
+class AccuracyRecord(Record):
+    """What accuracy was asked of a render, and what it claims: its largest stated uncertainty over its largest radiance, on every
+    pixel that is no edge. knobs: by which setting; tried: how many were tried until then."""
+
+    asked: float
+    claimed: float | None = Field(description="null where nothing can be claimed, for `reason`")
+    met: bool
+    knobs: dict[str, Any]
+    tried: Count
+    reason: str | None = None
+
+
 class RenderRecord(Record):
     """What became of one render."""
 
@@ -73,6 +85,8 @@ class RenderRecord(Record):
         default={}, description="CPU time by phase, of all threads and child processes; start is within render"
     )
     uncertainty: StatedUncertainty | None = None
+    accuracy: AccuracyRecord | None = Field(default=None, description="of a run with --accuracy")
+    largest: float | None = Field(default=None, description="largest |radiance| of the picture, W/(m²·sr)")
     luminance: Luminance | None = None
     standing: Standing | None = None
     reused: bool = False

@@ -17,6 +17,7 @@ from types import FrameType
 from typing import Any
 
 from equilux import ci, machine
+from equilux.accuracy import NOT_YET, Climb
 from equilux.adapter import Case, Limits
 from equilux.brdf.ofcase import materials_json
 from equilux.caserecord import case_line, case_record
@@ -95,6 +96,9 @@ class _Run:
         self._excused: dict[str, dict[str, tuple[str, ...]]] = {case.name: {} for case in plan.cases}
         for render in plan.renders:
             self._excused[render.case.name][render.adapter] = render.excused
+        self._climb = Climb.of(plan)
+        self._before: dict[tuple[str, str], tuple[Provenance, Outcome, Path]] = {}
+        """Renders that were not accurate enough, until a better one is there."""
         self._started = (datetime.now(UTC), time.monotonic())
         self._lock = threading.Lock()
         self._pool: Pool | None = None
@@ -120,24 +124,32 @@ class _Run:
     def _without_rendering(self, planned: PlannedRender) -> bool:
         """Settle a render that need not be run: refused, kept from an earlier run, or in the store. False when it must be run."""
         try:
-            return self._settled(planned, self._work[planned.case.name], self._provenance(planned))
+            return self._settled(planned, self._work[planned.case.name])
         except Exception as problem:
             self._fault(planned, problem)
             if planned.action != RUN:
                 self._done(planned.case, planned.adapter, planned.action, planned.reason)
             return planned.action != RUN
 
-    def _settled(self, planned: PlannedRender, work: CaseWork, who: Provenance) -> bool:
+    def _settled(self, planned: PlannedRender, work: CaseWork) -> bool:
         if planned.action != RUN:
-            work.refuse(who, planned.action, planned.reason, planned.missing_features)
+            work.refuse(self._provenance(planned), planned.action, planned.reason, planned.missing_features)
             self._done(planned.case, planned.adapter, planned.action, planned.reason)
             return True
         if self._stopped_by is not None or not self._options.reuse:
             return False
-        if (self._tree.continued and work.settle_earlier(who)) or work.settle_from_store(who):
-            self._done(planned.case, planned.adapter, work.records[planned.adapter]["status"], None)
+        case, adapter = planned.case.name, planned.adapter
+        while True:
+            who, demand = self._provenance(planned), self._climb.demand(case, adapter)
+            if not (self._tree.continued and work.settle_earlier(who, demand)):
+                status = work.settle_from_store(who, demand)
+                if status is None:
+                    return False
+                if status == NOT_YET:
+                    self._climb.up(case, adapter)
+                    continue
+            self._done(planned.case, adapter, work.records[adapter]["status"], None)
             return True
-        return False
 
     def _fault(self, render: PlannedRender | Request, problem: Exception) -> None:
         """Note a fault of the engine itself: it is told at the end, and the run cannot end well."""
@@ -150,32 +162,56 @@ class _Run:
             for entry in self._plan.entries
             if entry.name in wanted and entry.adapter is not None
         ]
-        requests = [Request(render.case, render.adapter, self._knobs[render.adapter], self._options.limits) for render in planned]
-        settling: list[Future[None]] = []
+        requests = [self._request(render) for render in planned]
         with Pool(self._options.jobs, laboratories, self._tree.scratch) as pool:
             self._pool = pool
-            if self._stopped_by is None:
-                pool.run(
-                    requests,
-                    lambda request, outcome, folder: settling.append(workers.submit(self._settle, request, outcome, folder)),
-                )
-        for future in settling:
-            future.result()
+            while requests and self._stopped_by is None:
+                settling: list[Future[Request | None]] = []
 
-    def _settle(self, request: Request, outcome: Outcome, folder: Path) -> None:
+                def settle(request: Request, outcome: Outcome, folder: Path, into: list[Any] = settling) -> None:
+                    into.append(workers.submit(self._settle, request, outcome, folder))
+
+                pool.run(requests, settle)
+                requests = [again for future in settling if (again := future.result()) is not None]
+
+    def _request(self, render: PlannedRender | Request) -> Request:
+        return Request(render.case, render.adapter, self._knobs_of(render), self._options.limits)
+
+    def _knobs_of(self, render: PlannedRender | Request) -> Mapping[str, Any]:
+        """Those of the run, or those that are tried now for the accuracy that is asked."""
+        found = self._climb.knobs(render.case.name, render.adapter)
+        return self._knobs.get(render.adapter, {}) if found is None else found
+
+    def _settle(self, request: Request, outcome: Outcome, folder: Path) -> Request | None:
+        """Settle a render that came back. Returns the request for a more accurate one where that is to be tried."""
         who = self._provenance(request)
-        work = self._work[request.case.name]
+        work, place = self._work[request.case.name], (request.case.name, request.adapter)
+        before = self._before.pop(place, None)
+        ended = "the run was stopped" if self._stopped_by is not None else None
+        if before is not None and outcome.status in FAILED and self._climb.down(*place):
+            ended = f"its next setting {outcome.status}: {outcome.reason or 'no reason given'}"
+            shutil.rmtree(folder, ignore_errors=True)
+            who, outcome, folder = before
+        elif before is not None:
+            shutil.rmtree(before[2], ignore_errors=True)
         try:
-            status = work.settle(who, outcome, folder, compare_too=self._stopped_by is None)
+            demand = self._climb.demand(*place, ended)
+            status = work.settle(who, outcome, folder, compare_too=self._stopped_by is None, demand=demand)
+            if status == NOT_YET:
+                self._before[place] = (who, outcome, folder)
+                self._climb.up(*place)
+                return self._request(request)
         except Exception as problem:  # a full disk, a fault of ours: reported, and never taken for a finished render
             status = "failed"
             self._fault(request, problem)
             shutil.rmtree(folder, ignore_errors=True)
         self._done(request.case, request.adapter, status, (work.records.get(request.adapter) or {}).get("reason"))
+        return None
 
     def _provenance(self, render: PlannedRender | Request) -> Provenance:
-        name = render.adapter
-        return Provenance(name, self._versions[name], self._knobs.get(name, {}), render_key(render.case, self._keys[name], name))
+        name, knobs = render.adapter, self._knobs_of(render)
+        identity = {**self._keys[name], "knobs": dict(knobs)}
+        return Provenance(name, self._versions[name], knobs, render_key(render.case, identity, name))
 
     def _done(self, case: Case, adapter: str, status: str, reason: str | None) -> None:
         """Count a render as done; tell the user; decide whether to go on."""
@@ -322,6 +358,7 @@ class _Run:
                     "flip": options.flip,
                     "diagnose": options.diagnose,
                     "diagnosis_limit_s": options.diagnosis_limit_s,
+                    "accuracy": self._plan.ladders.error if self._plan.ladders is not None else None,
                 },
                 "identity": self._identity,
             },

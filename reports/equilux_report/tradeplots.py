@@ -207,7 +207,7 @@ def _axes(paper: _Paper, clock: str) -> str:
 def _power(power: int) -> str:
     if power == 0:
         return "1"
-    return f'10<tspan dy="-4" font-size="8">{power}</tspan>'.replace("-", "−") if power < 0 else f"1e{power}"
+    return f'10<tspan dy="-4" font-size="8">{str(power).replace("-", "−")}</tspan>'
 
 
 def _plain(power: int) -> str:

@@ -24,6 +24,8 @@ def run(
     adapters: str | None = None,
     out: Path = Path("equilux-out"),
     jobs: int | None = None,
+    accuracy: float | None = None,
+    preset: str | None = None,
     set_: Annotated[tuple[str, ...], Parameter(name="--set", negative="")] = (),
     case_filter: str | None = None,
     timeout: float = 120.0,
@@ -56,6 +58,11 @@ def run(
         Folder of the results tree. An earlier run's is continued where scenes, adapters, versions and knobs agree, else replaced.
     jobs
         How many cores to use; none: all.
+    accuracy
+        Use, case by case, each renderer's cheapest setting whose stated uncertainty is at most this share of the largest
+        radiance, on every pixel that is no edge. Settings and their order: docs/tradeoff.md.
+    preset
+        Settings of all knobs, derived from a measurement: fast, balanced, exact. Their numbers: docs/tradeoff.md.
     set_
         A knob, [ADAPTER.]KNOB=VALUE; may be given several times.
     case_filter
@@ -97,9 +104,15 @@ def run(
         inputs.above_zero("--memory", memory, "MiB")
     if jobs is not None:
         inputs.at_least_one("--jobs", jobs)
+    if accuracy is not None:
+        inputs.above_zero("--accuracy", accuracy, "largest radiances")
+    if accuracy is not None and preset is not None:
+        raise BadUsage("--accuracy and --preset: got both, allowed one of them; --set may fix single knobs beside either")
     _check_flip(flip)
     pinning.check_allowed(update=update_expectations, yes=yes, plan=plan, diagnose=diagnose)
-    planned = _planned(scenes, inputs.split_names("--adapters", adapters), set_, case_filter, limit, as_is=as_is, as_json=json)
+    names = inputs.split_names("--adapters", adapters)
+    planned = _planned(scenes, names, set_, preset, case_filter, limit, as_is=as_is, as_json=json)
+    planned = _with_accuracy(planned, accuracy)
     from equilux.tree import check_usable
 
     check_usable(out)
@@ -136,17 +149,31 @@ def _check_flip(flip: bool) -> None:
 
 
 def _planned(
-    scenes: tuple[Path, ...], adapters: list[str] | None, settings: tuple[str, ...], case_filter: str | None, limit: tuple[str,
-    ...], *, as_is: bool, as_json: bool,
+    scenes: tuple[Path, ...], adapters: list[str] | None, settings: tuple[str, ...], preset: str | None, case_filter: str | None,
+    limit: tuple[str, ...], *, as_is: bool, as_json: bool,
 ) -> Plan:  # fmt: skip
     from equilux import knobs, plan
     from equilux.registry import Registry
 
     loaded = inputs.load(scenes, limit, as_json=as_json)
     selection = plan.select_adapters(Registry.discover(), adapters)
+    if preset is not None:
+        from equilux.tradeoff.presets import preset_settings
+
+        settings = (*preset_settings(preset, selection.entries), *settings)
     resolved = knobs.resolve(settings, selection.entries)
     cases = plan.filter_cases((case for scene in loaded for case in scene.cases), case_filter)
     return plan.make_plan(cases, selection, resolved, as_is=as_is)
+
+
+def _with_accuracy(plan: Plan, accuracy: float | None) -> Plan:
+    if accuracy is None:
+        return plan
+    from dataclasses import replace
+
+    from equilux.accuracy import ladders_of
+
+    return replace(plan, ladders=ladders_of(accuracy, plan.entries, plan.knobs))
 
 
 def _show_plan(plan: Plan, *, as_json: bool) -> int:

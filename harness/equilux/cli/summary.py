@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Iterable
 
+from equilux.accuracy import Kept, kept
 from equilux.cli.inputs import table
 from equilux.diagnose.diagnosis import Found
 from equilux.explain.causes import name_of
 from equilux.explain.numbers import counted
 from equilux.judge import FAILED
-from equilux.results import CaseRecord, PairRecord, Results
+from equilux.results import AccuracyRecord, CaseRecord, PairRecord, Results
 from equilux.trust import TRUTHS, trust_rank
 
 SHOWN = 20
+SHOWN_UNMET = 5
 HEADER: tuple[str, ...] = (
     "adapter", "version", "ok", "unsupported", "failed", "missing", "agree", "expected", "unexpected", "gone", "render s",
 )  # fmt: skip
@@ -20,7 +23,7 @@ HEADER: tuple[str, ...] = (
 
 def summary(results: Results) -> str:
     """The whole text, plain."""
-    parts = [_adapters(results), _look_at(results), _counts(results)]
+    parts = [_adapters(results), _accuracy(results), _look_at(results), _counts(results)]
     if results.run.interrupted:
         parts.append(f"interrupted ({results.run.interrupted}): only what was finished is in the results\n")
     return "\n".join(part for part in parts if part)
@@ -40,6 +43,52 @@ def _adapters(results: Results) -> str:
         ]  # fmt: skip
         rows.append((name, results.run.adapters.get(name, ""), *map(str, counts), f"{spent:.1f}"))
     return table(rows, right=frozenset(range(2, len(HEADER)))) if names else ""
+
+
+def _accuracy(results: Results) -> str:
+    """Who claims the accuracy that was asked for, on how many pictures, and how that stands to the truth; and who does not, and
+    why."""
+    asked = [
+        (case, name, render.accuracy)
+        for case in results.cases
+        for name, render in case.renders.items()
+        if render.accuracy is not None
+    ]
+    if not asked:
+        return ""
+    claims = kept(results.cases)
+    lines = []
+    for adapter in sorted({name for _, name, _ in asked}, key=trust_rank, reverse=True):
+        own = [(case, said) for case, name, said in asked if name == adapter]
+        unmet = [(case, said) for case, said in own if not said.met]
+        met = f"{len(own) - len(unmet)} of {counted(len(own), 'picture')}"
+        held = _held(claim for claim in claims if claim.adapter == adapter)
+        lines.append(f"accuracy {own[0][1].asked:g}: {adapter} claims it on {met}{held}")
+        lines += [f"  not on {case.case}: {_unmet(said)}" for case, said in unmet[:SHOWN_UNMET]]
+        if len(unmet) > SHOWN_UNMET:
+            lines.append(f"  … and {len(unmet) - SHOWN_UNMET} more: see results.json")
+    lines += [
+        f"{claim.case}: {claim.adapter} claims {claim.claimed:.2g} and is off by {claim.error:.2g}"
+        for claim in claims
+        if claim.holds is False
+    ]
+    return "".join(f"{line}\n" for line in lines)
+
+
+def _held(claims: Iterable[Kept]) -> str:
+    claims = list(claims)
+    if not claims:
+        return ""
+    held = sum(claim.holds is True for claim in claims)
+    declared = sum(claim.by_dialect for claim in claims)
+    unknown = sum(claim.holds is None for claim in claims)
+    words = f"; {held} of {len(claims)} hold against the truth"
+    words += f", {declared} of them but for what it declares to do otherwise" if declared else ""
+    return words + (f"; {unknown} could not be compared" if unknown else "")
+
+
+def _unmet(said: AccuracyRecord) -> str:
+    return f"{f'it claims {said.claimed:.2g}; ' if said.claimed is not None else ''}{said.reason}"
 
 
 def _look_at(results: Results) -> str:

@@ -141,6 +141,7 @@ def _question(
     from equilux import plan
     from equilux.registry import Registry
     from equilux.tradeoff.trade import Question
+    from equilux.trust import TRUTHS
     from equilux_scenes.loader import SUFFIX, corpus_folder
 
     chosen = scenes or [corpus_folder() / f"{name}{SUFFIX}" for name in DEFAULT_SCENES]
@@ -148,6 +149,8 @@ def _question(
     names = inputs.split_names("--adapter", adapter)
     registry = Registry.discover()
     entries = registry.select(names, option="--adapter") if names else list(registry.entries.values())
+    if names and all(name == TRUTHS[0] for name in names):
+        raise BadUsage(f"--adapter: the {TRUTHS[0]} is what errors are measured against; it has no setting to trade")
     cases = plan.filter_cases((case for scene in loaded for case in scene.cases), case_filter)
     return Question(cases, entries)
 

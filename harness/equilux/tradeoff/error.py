@@ -12,9 +12,9 @@ import numpy as np
 
 from equilux import score, uncertainty
 from equilux.adapter import Bound, Budget, Case, Image
+from equilux.claim import claimed
 from equilux.compare import RenderedImage, compare_pair
 from equilux.dialect import Declared, dialect_on
-from equilux.tradeoff.claim import claimed
 from equilux.tradeoff.record import Error
 from equilux.trust import TRUTHS
 from equilux.uncertainty import stated

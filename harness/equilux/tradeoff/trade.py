@@ -13,7 +13,7 @@ import numpy as np
 
 from equilux import budget_file, machine
 from equilux.adapter import Case, Limits
-from equilux.dialect import declared_dialect
+from equilux.dialect import Declared
 from equilux.job import BUDGET_FILE, IMAGE_FILE
 from equilux.plan import RUN, PlannedRender, Selection, make_plan
 from equilux.pool import Laboratory
@@ -146,8 +146,7 @@ class _Work:
     def case_trade(self, case: Case, measurement: Measurement) -> CaseTrade:
         from equilux.diagnosing import known_rules
 
-        dialects = {entry.name: declared_dialect(entry.adapter) for entry in self.entries if entry.adapter is not None}
-        judge = Judge(case, dialects, known_rules())
+        judge = Judge(case, {entry.name: self._dialect(case, entry) for entry in self.entries}, known_rules())
         film = case.scene.film
         return CaseTrade(
             case=case.name,
@@ -164,6 +163,12 @@ class _Work:
                 for entry in self.entries
             },
         )
+
+    def _dialect(self, case: Case, entry: Entry) -> tuple[Declared, ...]:
+        """What an adapter declares that concerns a case: its dialect, and what stands for a feature that it lacks and that the
+        case excuses."""
+        dialect = tuple(getattr(entry.adapter, "dialect", ()))
+        return (*dialect, *(Declared(cause) for cause in self._planned[case.name, entry.name].excused))
 
     def _renderer_trade(self, render: PlannedRender, judge: Judge, measurement: Measurement) -> RendererTrade:
         if render.action != RUN:
@@ -210,8 +215,9 @@ def _measured(setting: Setting, taken: Taken, adapter: str, judge: Judge) -> Mea
         out.status, out.reason = "failed", str(problem)
         return out
     out.error = _worst([judge.error(side) for side in sides])
-    out.dialect = judge.dialect(adapter)
-    out.error_to_dialect = _worst([error for side in sides if (error := judge.error_to_dialect(side)) is not None])
+    to_dialect = _worst([error for side in sides if (error := judge.error_to_dialect(side)) is not None])
+    if to_dialect is not None and _is_better(to_dialect, out.error):
+        out.error_to_dialect, out.dialect = to_dialect, judge.dialect(adapter)
     claims = [judge.claimed(side) for side in sides]
     out.claimed = max((claim for claim in claims if claim is not None), default=None) if None not in claims else None
     counted = out.error_to_dialect or out.error
@@ -223,6 +229,13 @@ def _measured(setting: Setting, taken: Taken, adapter: str, judge: Judge) -> Mea
 def _worst(errors: Sequence[Error]) -> Error | None:
     """That of the worst picture; one without a number is worse than any."""
     return max(errors, key=lambda error: (error.max_rel is None, error.max_rel or 0.0), default=None)
+
+
+def _is_better(to_dialect: Error, to_model: Error | None) -> bool:
+    """Whether a picture is nearer to what is declared than to the model: what is declared does not show in every picture."""
+    if to_dialect.max_rel is None:
+        return False
+    return to_model is None or to_model.max_rel is None or to_dialect.max_rel < to_model.max_rel
 
 
 def _by_phase(samples: Sequence[Mapping[str, float]]) -> dict[str, Any]:

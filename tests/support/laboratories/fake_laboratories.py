@@ -9,6 +9,7 @@ from __future__ import annotations
 import contextlib
 import ctypes
 import fcntl
+import io
 import os
 import signal
 import struct
@@ -243,6 +244,37 @@ class _Timeless(Fake):
         return RawRender({}, {"render": float("nan")})
 
 
+class TunableKnobs(Knobs):
+    quality: int = Field(
+        default=2, ge=0, le=4, description="decimal digits that are right",
+        json_schema_extra={"faster": "smaller", "steps": [1, 2, 3]},
+    )
+    colour: str = Field(default="plain", description="not traded: it has no steps")
+
+
+class Tunable(Fake):
+    """The true picture, too bright by 10^-quality, and says so: what a knob that trades speed for accuracy does."""
+
+    Knobs: ClassVar[type[Knobs]] = TunableKnobs
+
+    def translate(self, case: Case, knobs: Any) -> Program:
+        import equilux_oracle
+
+        stream = io.BytesIO()
+        np.save(stream, equilux_oracle.radiance_with_bound(case)[0])
+        return Program({"scene.txt": f"quality {knobs.quality}\n".encode(), "true.npy": stream.getvalue()}, "scene.txt")
+
+    def render(self, program: Program, program_dir: Path, workdir: Path, limits: Limits, knobs: Any) -> RawRender:
+        if knobs.quality > 3:
+            raise RendererFailed("no such quality on this machine")
+        return super().render(program, program_dir, workdir, limits, knobs)
+
+    def read(self, raw: RawRender, program: Program, knobs: Any) -> Any:
+        error = 10.0**-knobs.quality
+        image = np.load(io.BytesIO(program.files["true.npy"])) * (1 + error)
+        return Reading(image, Budget((Bound("tuned", "by its knob", rel=error),)))
+
+
 class _CannotTell(Fake):
     def version(self) -> str:
         raise RuntimeError("no version")
@@ -300,6 +332,7 @@ ADAPTERS: dict[str, Fake] = {
         _NoProgram("programless"),
         _Timeless("timeless"),
         _CannotTell("speechless"),
+        Tunable("tunable"),
     )
 }
 
