@@ -34,6 +34,8 @@ STYLE = """
 
 WIDTH, HEIGHT = 760, 430
 LEFT, RIGHT, TOP, BOTTOM = 62.0, 742.0, 40.0, 384.0
+LEAST_ERROR = -9
+"""Decade below which errors lie on the lowest line, which then says so: what is exact would squeeze all others together."""
 LETTER = 5.6
 """Width of a letter of a label, on average."""
 
@@ -98,8 +100,11 @@ def trade_plot(marks: Sequence[Mark], names: Sequence[str], title: str, clock: s
     """Error over time. Filled marks are on their renderer's front, which a line joins; the dashed line is the front of all."""
     if not marks:
         return ""
-    paper = _Paper(_decades([mark.low for mark in marks] + [mark.high for mark in marks]), _decades([mark.y for mark in marks]))
-    parts = [_head(title, WIDTH, HEIGHT, style), _axes(paper, clock)]
+    low, high = _decades([mark.y for mark in marks])
+    low = max(low, LEAST_ERROR)
+    paper = _Paper(_decades([mark.low for mark in marks] + [mark.high for mark in marks]), (low, max(high, low + 1)))
+    beneath = any(mark.y < 10.0**low for mark in marks)
+    parts = [_head(title, WIDTH, HEIGHT, style), _axes(paper, clock, beneath=beneath)]
     best = sorted((mark for mark in marks if mark.front_of_all), key=lambda mark: mark.x)
     parts.append(_stairs(paper, best, "all"))
     for series in sorted({mark.series for mark in marks}):
@@ -126,7 +131,7 @@ def feature_plot(features: Sequence[Mapping[str, Any]], names: Sequence[str], ti
         return ""
     low = min(0.0, min(shares[1] for *_, shares in rows))
     high = max(0.1, max(shares[2] for *_, shares in rows))
-    low, high = max(low, -1.0), min(high, 4.0)
+    low, high = max(low, -1.0), min(high, 1.5)
     left, right, height = 250.0, 742.0, 20
     tall = 44 + height * len(rows) + 26
 
@@ -186,13 +191,14 @@ def _head(title: str, width: int, height: int, style: str) -> str:
     )
 
 
-def _axes(paper: _Paper, clock: str) -> str:
+def _axes(paper: _Paper, clock: str, *, beneath: bool) -> str:
     parts = []
     low, high = paper.y_decades
     for power in range(low, high + 1, 1 + (high - low) // 10):
         y = paper.y(10.0**power)
         parts.append(f'<path class="grid" d="M{LEFT} {y:.1f}H{RIGHT}"/>')
-        parts.append(f'<text class="muted" x="{LEFT - 6}" y="{y + 4:.1f}" text-anchor="end">{_power(power)}</text>')
+        words = f"{'≤ ' if beneath and power == low else ''}{_power(power)}"
+        parts.append(f'<text class="muted" x="{LEFT - 6}" y="{y + 4:.1f}" text-anchor="end">{words}</text>')
     for power in range(paper.x_decades[0], paper.x_decades[1] + 1):
         x = paper.x(10.0**power)
         parts.append(f'<path class="grid" d="M{x:.1f} {TOP}V{BOTTOM}"/>')

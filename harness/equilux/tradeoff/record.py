@@ -75,7 +75,7 @@ class Measured(Record):
     label: str
     knobs: dict[str, Any]
     default: bool = False
-    most_accurate_knobs: bool = Field(default=False, description="every knob is at its last step")
+    most_accurate_knobs: bool = Field(default=False, description="every knob that buys accuracy is at its last step")
     status: str
     reason: str | None = None
     times: Times | None = None
@@ -92,7 +92,7 @@ class Measured(Record):
 class RendererTrade(Record):
     """All settings of one renderer on one case."""
 
-    status: Literal["measured", "unsupported", "missing", "failed"]
+    status: Literal["measured", "unsupported", "missing", "failed", "left out"]
     reason: str | None = None
     sweep: str = ""
     combinations: int = 0

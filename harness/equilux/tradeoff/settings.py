@@ -18,7 +18,8 @@ GRID_LIMIT = 12
 
 @dataclass(frozen=True)
 class Setting:
-    """Values of the knobs that trade. changed: those that are not the default. most_accurate_knobs: all are at the last step."""
+    """Values of the knobs that trade. changed: those that are not the default. most_accurate_knobs: all that are turned
+    together are at their last steps, and the others at their defaults."""
 
     knobs: Mapping[str, Any]
     changed: Mapping[str, Any] = field(default_factory=dict)
@@ -49,8 +50,8 @@ def sweep_of(model: type[Knobs], *, grid_limit: int = GRID_LIMIT) -> Sweep:
     default = model().model_dump(mode="json")
     combinations = math.prod(len(values) for values in steps.values())
     is_grid = combinations <= grid_limit
-    wanted = _grid(steps) if is_grid else _through_default(steps)
-    last = model.model_validate({knob: values[-1] for knob, values in steps.items()}).model_dump(mode="json")
+    wanted = _grid(steps) if is_grid else _through_default(steps, default)
+    last = default | {knob: values[-1] for knob, values in _joined(steps, default).items()}
     found: dict[str, Setting] = {}
     for changes in ({}, *wanted):
         values = model.model_validate(changes).model_dump(mode="json")
@@ -66,15 +67,22 @@ def _grid(steps: Mapping[str, Sequence[Any]]) -> Iterator[dict[str, Any]]:
         yield dict(zip(steps, values, strict=True))
 
 
-def _through_default(steps: Mapping[str, Sequence[Any]]) -> Iterator[dict[str, Any]]:
+def _through_default(steps: Mapping[str, Sequence[Any]], default: Mapping[str, Any]) -> Iterator[dict[str, Any]]:
     """Each knob through its steps, the others at their defaults; then all at once, at the same share of the way."""
     for knob, values in steps.items():
         for value in values:
             yield {knob: value}
-    most = max(len(values) for values in steps.values())
+    joined = _joined(steps, default)
+    most = max((len(values) for values in joined.values()), default=0)
     for place in range(most):
         share = place / (most - 1) if most > 1 else 0.0
-        yield {knob: values[round(share * (len(values) - 1))] for knob, values in steps.items()}
+        yield {knob: values[round(share * (len(values) - 1))] for knob, values in joined.items()}
+
+
+def _joined(steps: Mapping[str, Sequence[Any]], default: Mapping[str, Any]) -> dict[str, Sequence[Any]]:
+    """The knobs that are turned together. One whose default is its fastest step already is left at it: what lies beyond need not
+    be more accurate at all (antialiasing leaves the radiance at a pixel's centre)."""
+    return {knob: values for knob, values in steps.items() if len(values) > 1 and values[0] != default[knob]}
 
 
 def shown(value: Any) -> str:

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import time
+from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
@@ -42,6 +43,7 @@ from equilux.tradeoff.spread import spread
 from equilux.trust import TRUTHS
 
 REPEATS = 5
+LEFT_OUT = "left out"
 ERRORS = (1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6)
 """The accuracies that a measurement answers for where nobody asks."""
 TIMES = (0.01, 0.1, 1.0)
@@ -61,6 +63,8 @@ class Question:
     errors: Sequence[float] = ERRORS
     times: Sequence[float] = TIMES
     with_features: bool = True
+    cases_per_renderer: int | None = None
+    """On how many cases a renderer is measured at most: the first that it can do. None: on all."""
     limits: Limits = field(default_factory=Limits)
     command: Sequence[str] = ()
 
@@ -121,6 +125,7 @@ class _Work:
             for entry in self.entries:
                 render = next(in_order)
                 self._planned[render.case.name, entry.name] = render
+        self._leave_out()
         for render in in_order:
             self._planned_features[render.case.name, render.adapter] = render
         self.shots = [
@@ -130,6 +135,16 @@ class _Work:
             for setting in self._sweeps[render.adapter].settings
         ]
         self.shots += [self._feature_shot(render) for render in self._planned_features.values() if render.action == RUN]
+
+    def _leave_out(self) -> None:
+        """Keep the first cases of each renderer, as many as are asked for."""
+        most = self._question.cases_per_renderer
+        taken: Counter[str] = Counter()
+        for place, render in self._planned.items():
+            if render.action == RUN and most is not None and taken[render.adapter] >= most:
+                reason = f"measured on {most} other cases; name the scene to measure it here"
+                self._planned[place] = replace(render, action=LEFT_OUT, reason=reason)
+            taken[render.adapter] += render.action == RUN
 
     def laboratories(self) -> list[Laboratory]:
         wanted = {shot.adapter for shot in self.shots}
@@ -194,7 +209,7 @@ class _Work:
 
 
 def _status(status: str) -> Any:
-    return status if status in ("unsupported", "missing") else "failed"
+    return status if status in ("unsupported", "missing", LEFT_OUT) else "failed"
 
 
 def _measured(setting: Setting, taken: Taken, adapter: str, judge: Judge) -> Measured:
