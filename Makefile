@@ -1,8 +1,9 @@
 # make report   set up what is missing, run the shipped corpus through every renderer, print the report's path
 # make test     set up what is missing, run the whole test suite
+# make tradeoff  what accuracy costs, renderer by renderer; rewrites docs/tradeoff.md and the presets; minutes, on an idle machine
 # make bench    how fast everything is, beside what bounds it; writes build/bench.json
 # make mutation renderers with known faults: are they found, and named? Rewrites docs/mutation.md
-.PHONY: setup report test mutation lint bench lock clean
+.PHONY: setup report test mutation tradeoff lint bench lock clean
 
 PYTHON := .venv/bin/python
 
@@ -22,6 +23,9 @@ test:
 mutation: setup
 	@mkdir -p build
 	@PYTHONPATH=tests $(PYTHON) -m mutation.suite --out docs/mutation.md --json build/mutation.json
+
+tradeoff: setup
+	@.venv/bin/equilux tradeoff --repeats 3 --out build/tradeoff --presets harness/equilux/tradeoff/presets.json --page docs/tradeoff.md
 
 lint: setup
 	$(PYTHON) -m ruff check .
