@@ -2,43 +2,61 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
+import numpy.typing as npt
 import OpenImageIO as oiio
 
 from bench.measured import Measured, Seconds, interleaved, ratio, timed
-from equilux import _compare
-from equilux.compare import EN_EDGES
+from equilux.compare import EN_EDGES, RenderedImage, _compare, compare_pair
+from equilux.uncertainty import Uncertainty
 
-SHAPE = (1080, 1920, 3)
+FULL_HD = (1080, 1920)
+FILMS = ((144, 256), (540, 960), FULL_HD, (2160, 3840))
 ROUNDS = 9
+
+Image = npt.NDArray[np.float32]
+
+
+def pictures(height: int, width: int) -> tuple[Image, Image]:
+    """Two noisy float32 pictures that differ by 1e-4 relative: no value is equal, none trivial."""
+    rng = np.random.default_rng(1)
+    b = rng.random((height, width, 3), dtype=np.float32)
+    return b * (1 + 1e-4 * rng.standard_normal(b.shape, dtype=np.float32)), b
+
+
+def contenders(height: int, width: int) -> dict[str, Callable[[], Seconds]]:
+    """compare_pair: the public comparison, from two pictures to classes, E_n, percentiles and verdict, its planes in fresh memory.
+    kernel: the same without what Python does, its planes in memory that was used before. ImageBufAlgo.compare: mean, rms, peak
+    and two counts of the same pictures."""
+    a, b = pictures(height, width)
+    left = RenderedImage("laboratory", a, Uncertainty(rel=2e-4))
+    right = RenderedImage("reference", b, Uncertainty())
+    planes = {"difference": np.empty_like(a), "normalised_error": np.empty_like(a)}
+    tool_left, tool_right = oiio.ImageBuf(a), oiio.ImageBuf(b)
+    return {
+        "compare_pair": lambda: timed(lambda: compare_pair(left, right, None)),
+        "kernel": lambda: timed(lambda: _compare.compare(a, b, rel_a=2e-4, en_edges=EN_EDGES, **planes)),
+        "ImageBufAlgo.compare": lambda: timed(lambda: oiio.ImageBufAlgo.compare(tool_left, tool_right, 1e-3, 1e-3)),
+    }
 
 
 def measure() -> Measured:
-    """Two 1080p float32 images in memory. ImageBufAlgo.compare gives mean, rms, peak and counts; the kernel gives classes, E_n
-    and percentiles as well."""
-    rng = np.random.default_rng(1)
-    b = rng.random(SHAPE, dtype=np.float32)
-    a = b * (1 + 1e-4 * rng.standard_normal(SHAPE, dtype=np.float32))
-    left, right = oiio.ImageBuf(a), oiio.ImageBuf(b)
-    difference, normalised_error = np.empty(SHAPE, np.float32), np.empty(SHAPE, np.float32)
-
-    def kernel() -> Seconds:
-        return timed(
-            lambda: _compare.compare(
-                a, b, rel_a=2e-4, en_edges=EN_EDGES, difference=difference, normalised_error=normalised_error
-            )
+    """Pairs of float32 pictures in memory, film by film; `compare_vs_oiio` is of 1080p, wall over wall, the whole public
+    comparison."""
+    films, lines, ratios = {}, [], {}
+    for height, width in FILMS:
+        times = interleaved(contenders(height, width), ROUNDS)
+        megapixels = height * width / 1e6
+        wall = {name: [one.wall for one in found] for name, found in times.items()}
+        cpu = {name: [one.cpu for one in found] for name, found in times.items()}
+        against = ratio(wall["compare_pair"], wall["ImageBufAlgo.compare"])
+        films[f"{width}x{height}"] = {"megapixels": megapixels, "wall_s": wall, "cpu_s": cpu, "compare_vs_oiio": against}
+        best = ", ".join(
+            f"{name} {1e3 * min(wall[name]) / megapixels:.1f} (CPU {1e3 * min(cpu[name]) / megapixels:.1f})" for name in times
         )
-
-    def tool() -> Seconds:
-        return timed(lambda: oiio.ImageBufAlgo.compare(left, right, 1e-3, 1e-3))
-
-    times = interleaved({"kernel": kernel, "ImageBufAlgo.compare": tool}, ROUNDS)
-    walls = {name: [one.wall for one in found] for name, found in times.items()}
-    found = ratio(walls["kernel"], walls["ImageBufAlgo.compare"])
-    ours, theirs = min(walls["kernel"]), min(walls["ImageBufAlgo.compare"])
-    return Measured(
-        "compare",
-        ratios={"compare_vs_oiio": found["median"]},
-        numbers={"wall_s": walls, "compare_vs_oiio": found},
-        lines=[f"1080p float32 pair: kernel {ours:.3f} s, ImageBufAlgo.compare {theirs:.3f} s (best of {ROUNDS})"],
-    )
+        lines.append(f"{width}×{height}, ms per megapixel, best of {ROUNDS}: {best}; ratio {against['median']:.2f}")
+        if (height, width) == FULL_HD:
+            ratios["compare_vs_oiio"] = against["median"]
+    return Measured("compare", ratios=ratios, numbers={"films": films}, lines=lines)

@@ -101,6 +101,7 @@ class _Run:
         """Renders that were not accurate enough, until a better one is there."""
         self._started = (datetime.now(UTC), time.monotonic())
         self._lock = threading.Lock()
+        self._diagnosing = ThreadPoolExecutor(max(2, options.jobs), thread_name_prefix="equilux-diagnose")
         self._pool: Pool | None = None
         self._stopped_by: str | None = None
 
@@ -111,15 +112,22 @@ class _Run:
         self._progress.begin(len(self._plan.renders), len(self._plan.cases))
         for broken in unusable_rules() if self._options.diagnose else ():
             self._progress.note(broken)
-        self._workers = workers = ThreadPoolExecutor(max(2, self._options.jobs), thread_name_prefix="equilux-compare")
+        threads = max(2, self._options.jobs)
+        workers = ThreadPoolExecutor(threads, thread_name_prefix="equilux-compare")
         try:
             pending = [workers.submit(self._without_rendering, planned) for planned in self._plan.renders]
-            to_render = [planned for planned, future in zip(self._plan.renders, pending, strict=True) if not _result(future)]
+            to_render = [planned for planned, future in zip(self._plan.renders, pending, strict=True) if not future.result()]
             if to_render and self._stopped_by is None:
-                self._render(to_render, workers)
+                self._render(self._urgent_first(to_render), workers)
         finally:
             workers.shutdown(wait=True)
+            self._diagnosing.shutdown(wait=True)
             self._progress.end()
+
+    def _urgent_first(self, planned: list[PlannedRender]) -> list[PlannedRender]:
+        """Cases that are expected to diverge first: their diagnoses, the longest chains of all, then run beside the other renders
+        and not after them."""
+        return sorted(planned, key=lambda render: not (self._options.diagnose and render.case.expectations))
 
     def _without_rendering(self, planned: PlannedRender) -> bool:
         """Settle a render that need not be run: refused, kept from an earlier run, or in the store. False when it must be run."""
@@ -223,7 +231,7 @@ class _Run:
             self._progress.note(f"{case.name}: {adapter} {status}: {reason or ''}".rstrip(": "))
         work = self._work[case.name]
         if complete and work.diverges and self._options.diagnose:
-            self._workers.submit(self._complete, work)  # renders that wait to be compared go first
+            self._diagnosing.submit(self._complete, work)  # renders that wait to be compared do not wait for it
         elif complete:
             self._complete(work)
         if self._options.fail_fast and (status in FAILED or (status == "missing" and adapter in self._plan.named)):
@@ -363,7 +371,3 @@ class _Run:
                 "identity": self._identity,
             },
         )
-
-
-def _result(future: Future[bool]) -> bool:
-    return future.result()

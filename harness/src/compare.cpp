@@ -261,6 +261,9 @@ double pairwise_sum(std::span<const double> values) {
   return pairwise_sum(values.first(half)) + pairwise_sum(values.subspan(half));
 }
 
+/// A thread, with its histograms, costs about as much as scoring so many chunks.
+constexpr std::size_t kChunksPerThread = 8;
+
 struct FirstPass {
   std::vector<Tally> tallies;      // per thread
   std::vector<Extremes> extremes;  // per chunk
@@ -385,7 +388,7 @@ Magnitudes magnitudes_of(const FirstPass& pass, const Result& result) {
 Result compare(const Job& job) {
   const std::size_t blocks = (job.pixels + kBlockPixels - 1) / kBlockPixels;
   const std::size_t chunks = (job.pixels + kChunkPixels - 1) / kChunkPixels;
-  const unsigned threads = thread_count(job.threads, chunks);
+  const unsigned threads = thread_count(job.threads, chunks / kChunksPerThread);
   const FirstPass pass = first_pass(job, threads, chunks, blocks);
   Result result = merge(pass, job.en_edges.size() - 1);
   result.percentiles = percentiles(job, magnitudes_of(pass, result), threads);
