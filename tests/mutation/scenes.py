@@ -229,7 +229,7 @@ def _bands(rng: random.Random, low: float, high: float) -> list[float]:
 # --- which scenes a mutant is tried on --------------------------------------------------------------------------------
 
 
-def stages(models: Sequence[str], variant: str = "", count: int = 8) -> Iterator[Case]:
+def stages(models: Sequence[str], variant: str = "", count: int = 24) -> Iterator[Case]:
     """Stages of these models in turn."""
     for seed in range(count):
         for model in models:
