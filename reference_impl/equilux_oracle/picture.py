@@ -13,6 +13,7 @@ import numpy.typing as npt
 
 from equilux_oracle.doubledouble import Array
 from equilux_oracle.examination import Examination, pixel_centers
+from equilux_oracle.reach import out_of_reach
 from equilux_scenes.case import Case
 from equilux_scenes.model import Mesh
 
@@ -70,11 +71,14 @@ def evaluate(case: Case, film_xy: npt.ArrayLike) -> Array:
 def examine(case: Case, film_xy: npt.ArrayLike) -> Examination:
     """Radiance at film positions (n, 2), with its bound and its scale.
 
-    Raises ValueError for a case without a closed form (`lacking`).
+    Raises ValueError for a case without a closed form (`lacking`), or with numbers beyond double-double's reach.
     """
     missing = lacking(case)
     if missing:
         raise ValueError(f"{case.name}: no closed form for {', '.join(sorted(missing))} ({'; '.join(set(missing.values()))})")
+    unreachable = out_of_reach(case.scene)
+    if unreachable:
+        raise ValueError(f"{case.name}: {'; '.join(unreachable)}")
     positions = np.asarray(film_xy, dtype=np.float64).reshape(-1, 2)
     with np.errstate(over="ignore", invalid="ignore", divide="ignore", under="ignore"):
         return _examine(case, positions).completed(case.scene)

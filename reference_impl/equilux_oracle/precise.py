@@ -115,9 +115,12 @@ def first_seen(scene: Scene, origin: Vector, direction: Vector, start: mpf | int
     if start:
         coordinates += length(minus(origin, exact(scene.camera.eye)))
     for index in range(len(scene.objects)):
-        for t, normal in crossings_with(scene, index, origin, direction):
-            if t > start and (best is None or best[0] - t > (best[0] + coordinates) * mpf(2) ** -50):
-                best = (t, index, normal)
+        ahead = [(t, normal) for t, normal in crossings_with(scene, index, origin, direction) if t > start]
+        if not ahead:
+            continue
+        t, normal = min(ahead, key=lambda crossing: crossing[0])
+        if best is None or best[0] - t > (best[0] + coordinates) * mpf(2) ** -50:
+            best = (t, index, normal)
     if best is None:
         return None
     t, index, normal = best

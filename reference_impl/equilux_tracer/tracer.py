@@ -16,7 +16,7 @@ from equilux_tracer.channels import CHANNELS
 from equilux_tracer.describe import describe
 from equilux_tracer.shading_rules import MODEL_RULES, ShadingRules
 
-VERSION = "2"
+VERSION = "3"
 """Changes whenever a picture may change in its last digit: part of the key under which renders are reused."""
 
 ERROR_TARGET = 1e-6

@@ -7,6 +7,7 @@ import json
 import numpy as np
 
 from equilux.adapter import Bound, Budget, Program, RawRender, Reading
+from equilux_adapters._vouched import said_of_lost, vouched
 from equilux_adapters.oracle.render import BOUND, RADIANCE
 
 _LOCAL = (
@@ -33,5 +34,6 @@ REASONS = {
 def reading(raw: RawRender, program: Program) -> Reading:
     """The picture with its one term, `arithmetic`."""
     model = json.loads(program.files[program.entry])["model"]
-    bound = Bound("arithmetic", REASONS[model], abs=np.load(raw.files[BOUND]))
-    return Reading(np.load(raw.files[RADIANCE]), Budget((bound,)))
+    image = np.load(raw.files[RADIANCE])
+    held, lost = vouched(image, np.load(raw.files[BOUND]))
+    return Reading(image, Budget((Bound("arithmetic", REASONS[model] + said_of_lost(lost), abs=held),)))

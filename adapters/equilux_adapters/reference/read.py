@@ -10,12 +10,8 @@ import numpy.typing as npt
 
 from equilux.adapter import Bound, Budget, Geometric, Program, RawRender, Reading
 from equilux.budget import Term
+from equilux_adapters._vouched import said_of_lost, vouched
 from equilux_adapters.reference.knobs import ReferenceKnobs
-
-NO_DIGIT = 1e30
-"""W/(m²·sr). Between curved mirrors a bound grows with every bounce, beyond all numbers in the end: it then says nothing, and
-this stands for it, because a budget holds finite numbers only."""
-
 
 EXACT_REASON = (
     "rounding of the shading in double precision, per pixel, term by term (derived in reference_impl/src/phong.h, opengl.h and "
@@ -31,7 +27,7 @@ def read(raw: RawRender, program: Program, knobs: ReferenceKnobs) -> Reading:
     """(h, w, 3), row 0 on top, nothing rounded on the way: float64, of single precision widened."""
     image = np.load(raw.files["radiance"], allow_pickle=False).astype(np.float64)
     rounding = np.load(raw.files["rounding"], allow_pickle=False).astype(np.float64)
-    arithmetic = _arithmetic(rounding, FLOAT_REASON if knobs.precision == "float" else EXACT_REASON)
+    arithmetic = _arithmetic(image, rounding, FLOAT_REASON if knobs.precision == "float" else EXACT_REASON)
     if knobs.precision != "exact":
         displaced = Geometric(
             "single precision",
@@ -64,10 +60,6 @@ def _of_knobs(facts: Mapping[str, Any]) -> Iterator[Term]:
         yield Geometric("facets", reason, normal=normal, position_m=position, film_px=facts["facets"]["film_px"])
 
 
-def _arithmetic(rounding: npt.NDArray[np.float64], reason: str) -> Bound:
-    lost = ~(rounding <= NO_DIGIT)
-    return Bound("arithmetic", reason + _said_of_lost(int(lost.any(axis=2).sum())), abs=np.where(lost, NO_DIGIT, rounding))
-
-
-def _said_of_lost(pixels: int) -> str:
-    return f"; of {pixels} pixels it cannot vouch for a single digit, and says {NO_DIGIT:g}" if pixels else ""
+def _arithmetic(image: npt.NDArray[np.float64], rounding: npt.NDArray[np.float64], reason: str) -> Bound:
+    held, lost = vouched(image, rounding)
+    return Bound("arithmetic", reason + said_of_lost(lost), abs=held)

@@ -32,11 +32,13 @@ class Meeting:
     def close_to(self, start: Array | float, own: Bools) -> Bools:
         """Where a crossing lies so near to `start` that another reading of what coincides would take it otherwise, (n,).
 
-        own: where the line starts on this very primitive, whose other crossing is in doubt all the way up to there.
+        own: where the line starts on this very primitive, whose other crossing is in doubt all the way from there.
         """
-        least = np.where(own, 2.0**-30, 0.5) * start
-        near = [exists & (t.hi > least) & (t.hi < 4.0 * start) for t, exists in zip(self.t, self.exists, strict=True)]
-        doubtful: Bools = np.any(near, axis=0)
+        near = [exists & (t.hi > 0.5 * start) & (t.hi < 4.0 * start) for t, exists in zip(self.t, self.exists, strict=True)]
+        thin = own & (len(self.t) == 2) & self.exists[0] & self.exists[-1]
+        doubtful: Bools = np.any(near, axis=0) | thin & (self.t[-1].hi > -start) & (self.t[-1].hi < 4.0 * start) & (
+            (self.t[-1] - self.t[0]).hi < 4.0 * start
+        )
         return doubtful
 
     def number_between(self, start: Array | float, end: Array | float) -> Array:
