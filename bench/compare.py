@@ -27,9 +27,9 @@ def pictures(height: int, width: int) -> tuple[Image, Image]:
 
 
 def contenders(height: int, width: int) -> dict[str, Callable[[], Seconds]]:
-    """compare_pair: the public comparison, from two pictures to classes, E_n, percentiles and verdict, its planes in fresh memory.
-    kernel: the same without what Python does, its planes in memory that was used before. ImageBufAlgo.compare: mean, rms, peak
-    and two counts of the same pictures."""
+    """compare_pair: the public comparison, from two pictures to classes, E_n, percentiles and verdict; planes in fresh memory.
+    kernel: the same without what Python does, its planes in memory that was used before. ImageBufAlgo.compare: mean, rms,
+    peak and two counts of the same pictures."""
     a, b = pictures(height, width)
     left = RenderedImage("laboratory", a, Uncertainty(rel=2e-4))
     right = RenderedImage("reference", b, Uncertainty())

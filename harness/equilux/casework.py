@@ -9,6 +9,7 @@ import shutil
 import threading
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +18,7 @@ import numpy as np
 from equilux import budget_file, compare, diagnosing, uncertainty
 from equilux.accuracy import NOT_YET, Demand
 from equilux.adapter import Budget, Case, Geometric, Image
+from equilux.brdf.ofcase import materials_json
 from equilux.diagnose.diagnosis import Diagnosis
 from equilux.identity import case_digest, comparer_identity
 from equilux.job import BUDGET_FILE, IMAGE_FILE, LOG_FILE, PROGRAM_FOLDER, WORK_FOLDER, Outcome
@@ -25,7 +27,7 @@ from equilux.luminance import luminance_of, photometry_of
 from equilux.peerpairs import Explanation, Peers
 from equilux.planes import read_planes, write_planes
 from equilux.results import AccuracyRecord, Luminance
-from equilux.reuse import Store, key
+from equilux.reuse import Store, code_fingerprint, key
 from equilux.tree import Tree, read_json
 from equilux.trust import TRUTHS, ordered_pair, truth_among
 from equilux.uncertainty import Uncertainty
@@ -35,6 +37,7 @@ from equilux.worker import BadDelivery, checked_image, describe_program
 RENDER_SCHEMA = "equilux/render/1"
 OUTCOME_FILE = "outcome.json"
 MAPS_FILE = "uncertainty.exr"
+MATERIALS_FILE = "materials.json"
 
 
 @dataclass(frozen=True)
@@ -52,11 +55,17 @@ class Provenance:
 class Delivered:
     """A picture that can be compared."""
 
-    side: compare.RenderedImage
+    adapter: str
+    load: Callable[[], compare.RenderedImage]
+    """Gives the picture: one that was kept from an earlier run is only read where somebody looks at it."""
     digest: str
     """Hash of the image and its budget."""
     budget: Callable[[], Budget | None]
     """The budget that the image came with; None where it is not known any more."""
+
+    @cached_property
+    def side(self) -> compare.RenderedImage:
+        return self.load()
 
 
 @dataclass
@@ -108,7 +117,8 @@ class CaseWork:
                 stated = self._stated(budget, image)
                 digest = _digest(image, budget)
                 image_facts = _image_facts(image, stated) | {"digest": digest}
-                delivered = Delivered(compare.RenderedImage(who.adapter, image, stated), digest, lambda: budget)
+                side = compare.RenderedImage(who.adapter, image, stated)
+                delivered = Delivered(who.adapter, lambda: side, digest, lambda: budget)
                 if any(image_facts[kind] for kind in ("nan", "+inf", "-inf", "negative")):
                     status, reason = "invalid", _invalid_reason(image_facts)
                 elif not reused and self.store is not None and who.key is not None:
@@ -143,6 +153,7 @@ class CaseWork:
             "image": image_facts,
             "reused": reused,
             "key": who.key,
+            "files": _file_hashes(folder) if delivered is not None else {},
         }
         write_json(folder / "render.json", record)
         self.tree.drop_pairs(self.case.name, who.adapter)
@@ -182,24 +193,25 @@ class CaseWork:
         if record is None or who.key is None or record.get("status") != "ok" or record.get("key") != who.key:
             return False
         try:
-            stated = Uncertainty.from_json(record["uncertainty"], folder / MAPS_FILE)
-            image = saved_picture(folder)
-            if _image_facts(image, stated) | {"digest": record["image"]["digest"]} != record["image"]:
+            if not record["files"] or record["files"] != _file_hashes(folder):
                 return False
-        except (OSError, ValueError, KeyError, TypeError):
+            stated, digest = record["uncertainty"], str(record["image"]["digest"])
+        except (OSError, KeyError, TypeError):
             return False
-        if hashlib.sha256(image.tobytes()).hexdigest() != record["image"]["sha256"]:
-            return False
+
+        def side() -> compare.RenderedImage:
+            return compare.RenderedImage(who.adapter, saved_picture(folder), Uncertainty.from_json(stated, folder / MAPS_FILE))
+
         if demand is not None:
-            accuracy = demand.judged(image, stated, who.knobs)
+            looked_at = side()
+            accuracy = demand.judged(looked_at.image, looked_at.uncertainty, who.knobs)
             if not accuracy.met and not demand.last:
                 return False
             record["accuracy"] = accuracy.model_dump(mode="json")
         record["reused"] = True
         diagnosing.save(None, folder)  # it is made again, or found in the store: what it was made against may have changed
         its_key = str(who.key)
-        side = compare.RenderedImage(who.adapter, image, stated)
-        self._join(who.adapter, record, Delivered(side, record["image"]["digest"], lambda: self._remembered_budget(its_key)))
+        self._join(who.adapter, record, Delivered(who.adapter, side, digest, lambda: self._remembered_budget(its_key)))
         return True
 
     def _load(self, folder: Path) -> tuple[Image, Budget]:
@@ -273,7 +285,7 @@ class CaseWork:
                 self._compare(*((delivered, partner) if ordered_pair(adapter, name) == (adapter, name) else (partner, delivered)))
 
     def _compare(self, a: Delivered, b: Delivered) -> None:
-        names = (a.side.adapter, b.side.adapter)
+        names = (a.adapter, b.adapter)
         try:
             result = self._compared(a, b)
         except Exception as problem:  # ours, not a renderer's: recorded, reported, and the run goes on
@@ -286,16 +298,18 @@ class CaseWork:
 
     def _compared(self, a: Delivered, b: Delivered) -> dict[str, Any]:
         """Statistics of a pair, from the store or computed, with their files in the tree."""
-        stem = f"{a.side.adapter}--{b.side.adapter}"
+        stem = f"{a.adapter}--{b.adapter}"
         pairs = self.tree.pairs_folder(self.case.name)
         its_key = key(
             what="pair",
             case=case_digest(self.case),
-            sides=[a.side.adapter, b.side.adapter],
+            sides=[a.adapter, b.adapter],
             images=[a.digest, b.digest],
             flip=self.flip,
             comparer=comparer_identity(),
         )
+        if self.tree.continued and (kept := _kept_pair(pairs, stem, its_key)) is not None:
+            return kept
         folder = self.tree.stage()
         try:
             if self.store is not None and self.store.fetch("pairs", its_key, folder):
@@ -305,6 +319,7 @@ class CaseWork:
                         os.replace(path, pairs / path.name)
                     return found
             result = compare.compare_pair(a.side, b.side, self._tracer, flip=self.flip)
+            result.json["key"] = its_key
             compare.write_pair(self.tree.case_folder(self.case.name), result)
             if self.store is not None:
                 self.store.put("pairs", its_key, lambda entry: _copy_pair(pairs, stem, entry))
@@ -367,7 +382,7 @@ class CaseWork:
         return diagnosing.diagnosed(self.case, self._subject(render, truth, pair), method, self.store, self.tree)
 
     def _subject(self, render: Delivered, truth: Delivered, pair: dict[str, Any]) -> diagnosing.Subject:
-        name = render.side.adapter
+        name = render.adapter
         return diagnosing.Subject(
             render.side,
             render.digest,
@@ -381,11 +396,38 @@ class CaseWork:
     def _scored(self, pair: dict[str, Any]) -> compare.PairResult:
         return diagnosing.scored_pair(pair, self.tree.pairs_folder(self.case.name))
 
+    def write_materials(self) -> None:
+        """Write materials.json, from the store or computed. Raises OSError."""
+        target = self.tree.case_folder(self.case.name) / MATERIALS_FILE
+        its_key = key(what="materials", case=case_digest(self.case), code=code_fingerprint("equilux.brdf"))
+        folder = self.tree.stage()
+        try:
+            if self.store is None or not self.store.fetch("materials", its_key, folder):
+                write_json(folder / MATERIALS_FILE, materials_json(self.case))
+                if self.store is not None:
+                    self.store.put("materials", its_key, lambda entry: _copy_file(folder, entry, MATERIALS_FILE))
+            os.replace(folder / MATERIALS_FILE, target)
+        finally:
+            shutil.rmtree(folder, ignore_errors=True)
+
     def forget_pictures(self) -> None:
         """Give back the memory of a case that is complete."""
         with self._lock:
             self._delivered.clear()
         self._tracer.release()
+
+
+def _kept_pair(pairs: Path, stem: str, its_key: str) -> dict[str, Any] | None:
+    """A pair that a continued tree holds already, made from the same inputs; None where there is none that is whole."""
+    kept = read_json(pairs / f"{stem}.json")
+    if kept is None or kept.get("key") != its_key:
+        return None
+    without_planes = kept.get("film_delta_px") is None  # the images could not be laid over each other
+    return kept if without_planes or (pairs / f"{stem}.exr").exists() else None
+
+
+def _copy_file(folder: Path, entry: Path, name: str) -> None:
+    shutil.copyfile(folder / name, entry / name)
 
 
 def _copy_pair(pairs: Path, stem: str, entry: Path) -> None:
@@ -406,6 +448,15 @@ def _digest(image: Image, budget: Budget) -> str:
         shape=image.shape,
         budget=budget_file.digest(budget),
     )
+
+
+def _file_hashes(folder: Path) -> dict[str, str]:
+    """Of the files that hold a render's picture and its uncertainty, by name. Raises OSError."""
+    return {
+        name: hashlib.sha256((folder / name).read_bytes()).hexdigest()
+        for name in ("image.exr", IMAGE_FILE, MAPS_FILE)
+        if (folder / name).exists()
+    }
 
 
 def _image_facts(image: Image, stated: Uncertainty) -> dict[str, Any]:

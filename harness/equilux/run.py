@@ -9,7 +9,7 @@ import time
 from collections import Counter
 from collections.abc import Iterator, Mapping
 from concurrent.futures import Future, ThreadPoolExecutor
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from pathlib import Path
@@ -19,7 +19,6 @@ from typing import Any
 from equilux import ci, machine
 from equilux.accuracy import NOT_YET, Climb
 from equilux.adapter import Case, Limits
-from equilux.brdf.ofcase import materials_json
 from equilux.caserecord import case_line, case_record
 from equilux.casework import CaseWork, Provenance
 from equilux.diagnosing import TIME_LIMIT_S, Method, known_rules, unusable_rules
@@ -104,6 +103,7 @@ class _Run:
         self._diagnosing = ThreadPoolExecutor(max(2, options.jobs), thread_name_prefix="equilux-diagnose")
         self._pool: Pool | None = None
         self._stopped_by: str | None = None
+        self._complete_cases: dict[str, CaseRecord] = {}
 
     # --- carrying out -------------------------------------------------------------------------------------------------
 
@@ -244,6 +244,10 @@ class _Run:
             if self._stopped_by is None:
                 work.explain_peers()
         judged = self._judged(work)
+        with suppress(OSError):  # a full disk: `finish` tries again, and fails
+            if self._options.materials:
+                work.write_materials()
+            self._complete_cases[work.case.name] = judged
         self._progress.case_done(case_line(work, judged))
         work.forget_pictures()
         if self._options.fail_fast and any(pair.judged in ("diverge_unexpected", "improved") for pair in judged.pairs):
@@ -283,9 +287,10 @@ class _Run:
     def finish(self) -> Finished:
         """Judge everything and write results.json and the final run.json."""
         worked = [work for work in self._work.values() if work.records]
-        cases = [self._judged(work) for work in worked]
+        cases = [self._complete_cases.get(work.case.name) or self._judged(work) for work in worked]
         for work in worked if self._options.materials else ():
-            write_json(self._tree.case_folder(work.case.name) / "materials.json", materials_json(work.case))
+            if work.case.name not in self._complete_cases:
+                work.write_materials()
         statuses = [(name, render.status) for case in cases for name, render in case.renders.items()]
         pairs = [(pair.a, pair.b, pair.judged) for case in cases for pair in case.pairs]
         errors = tuple(error for work in self._work.values() for error in work.errors)

@@ -15,6 +15,7 @@ from equilux_report import png
 from equilux_report.calibration import calibrations
 from equilux_report.casepage import CasePage, case_page
 from equilux_report.dialects import dialects
+from equilux_report.keeping import kept_pictures, remember
 from equilux_report.links import Links
 from equilux_report.overview import overview
 from equilux_report.pages import Pages
@@ -41,7 +42,7 @@ def build(run: Path, *, out: Path | None = None, single_file: bool = False, case
     tree = read_run(run, case_filter)
     with replacing(out) as folder:
         data = folder / "data"
-        pictures = prepare(tree, data)
+        pictures = prepare(tree, data, kept_pictures(tree, out))
         tree = _enriched(tree, pictures)
         (folder / MARKER).write_text(
             json.dumps({"schema": "equilux/report/1", "cases": len(tree.cases), "single_file": single_file}) + "\n"
@@ -51,6 +52,7 @@ def build(run: Path, *, out: Path | None = None, single_file: bool = False, case
             shutil.rmtree(data)
         else:
             _write_folder(tree, pictures, folder)
+            remember(tree, pictures, data)
     return out / "index.html"
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Mapping
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -29,16 +30,31 @@ class CasePictures:
     problems: list[Problem] = field(default_factory=list)
 
 
-def prepare(run: Run, folder: Path) -> dict[str, CasePictures]:
+Kept = Mapping[str, CasePictures]
+"""By case name: pictures of an earlier report whose files have not changed since."""
+
+
+def prepare(run: Run, folder: Path, kept: Kept | None = None) -> dict[str, CasePictures]:
     """Pack every picture of the run into scripts `folder`/<case>/<render or pair>.js; by case name."""
+
+    def prepared(case: CaseRecord) -> CasePictures:
+        earlier = (kept or {}).get(case.name)
+        return _prepare_case(case, folder / case.name) if earlier is None else _taken_over(earlier, folder / case.name)
+
     with ThreadPoolExecutor(max_workers=os.cpu_count() or 1) as pool:
-        return dict(
-            zip(
-                [case.name for case in run.cases],
-                pool.map(lambda case: _prepare_case(case, folder / case.name), run.cases),
-                strict=True,
-            )
-        )
+        return dict(zip([case.name for case in run.cases], pool.map(prepared, run.cases), strict=True))
+
+
+def _taken_over(earlier: CasePictures, folder: Path) -> CasePictures:
+    """The earlier report's files under another name: it is about to be replaced."""
+    folder.mkdir(parents=True)
+    packed = {name: folder / path.name for name, path in earlier.packed.items()}
+    for name, path in packed.items():
+        try:
+            os.link(earlier.packed[name], path)
+        except OSError:  # a file system without hard links
+            path.write_bytes(earlier.packed[name].read_bytes())
+    return CasePictures(earlier.stops, packed, earlier.thumbnails, earlier.first_invalid)
 
 
 def _prepare_case(case: CaseRecord, folder: Path) -> CasePictures:

@@ -55,9 +55,7 @@ def images(draw: st.DrawFn) -> dict[str, Any]:
         "b": pair[1],
         "abs": [scale * draw(st.sampled_from([0.0, 1e-4])) for _ in range(2)],
         "rel": [draw(st.sampled_from([0.0, 2.0**-11])) for _ in range(2)],
-        "per_pixel": [
-            (scale * 1e-3 * rng.random(shape)).astype(np.float32) if draw(st.booleans()) else None for _ in range(2)
-        ],
+        "per_pixel": [(scale * 1e-3 * rng.random(shape)).astype(np.float32) if draw(st.booleans()) else None for _ in range(2)],
         "edge": (rng.random((height, width)) < 0.2) if draw(st.booleans()) else None,
     }
 
@@ -238,9 +236,7 @@ def test_percentiles_are_exact_where_most_differences_share_their_leading_bits()
 @given(images())
 def test_the_quick_way_and_the_careful_way_give_the_same_bits(given_: dict[str, Any]) -> None:
     """Where anything was sampled every block is scored with care; a standard deviation of zero adds nothing to B."""
-    options = {
-        f"{name}_{side}": given_[name][index] for name in ("abs", "rel", "per_pixel") for index, side in enumerate("ab")
-    }
+    options = {f"{name}_{side}": given_[name][index] for name in ("abs", "rel", "per_pixel") for index, side in enumerate("ab")}
     tall = [np.concatenate([given_[side]] * 3, axis=0) for side in "ab"]  # several blocks, awkward and plain ones
     for side in "ab":
         if options[f"per_pixel_{side}"] is not None:

@@ -197,6 +197,18 @@ def test_a_tampered_picture_in_a_continued_tree_is_made_anew(tmp_path: Path, sta
     assert again.exit_code == 0
 
 
+def test_a_pair_in_a_continued_tree_is_left_where_it_lies_and_made_anew_where_it_is_not_whole(tmp_path: Path):
+    first = run(tmp_path / "run", "good")
+    folder = tmp_path / "run" / "cases" / "tiny" / "pairs"
+    kept = (folder / "good--oracle.exr").stat()
+    again = run(tmp_path / "run", "good")
+    assert (folder / "good--oracle.exr").stat().st_ino == kept.st_ino, "the pair was written again"
+    assert only_case(again).pairs == only_case(first).pairs
+    (folder / "good--oracle.exr").unlink()
+    run(tmp_path / "run", "good")
+    assert (folder / "good--oracle.exr").is_file()
+
+
 def test_what_failed_is_tried_again_in_a_continued_tree(tmp_path: Path, state: Path):
     run(tmp_path / "run", "good", "raising")
     again = run(tmp_path / "run", "good", "raising")

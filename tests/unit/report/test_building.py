@@ -11,6 +11,7 @@ from urllib.parse import unquote
 import pytest
 
 import equilux_report.pages
+import equilux_report.pictures
 from browser.fake_tree import write_tree
 from equilux_report import build
 from equilux_report.tree import read_run
@@ -60,6 +61,36 @@ def test_rebuilding_leaves_nothing_of_the_old_report(copy: Path) -> None:
     cases = sorted(path.stem for path in (copy / "report" / "cases").iterdir())
     assert cases == sorted(f"clay-ball[exponent={exponent}]" for exponent in (1, 10, 100, 1000))
     assert sorted(path.name for path in copy.iterdir()) == ["cases", "report", "results.json", "run.json"]
+
+
+def test_a_report_takes_over_the_pictures_of_files_that_have_not_changed(copy: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    build(copy)
+    before = files(copy / "report")
+    packed: list[str] = []
+    real = equilux_report.pictures.pack
+    monkeypatch.setattr(equilux_report.pictures, "pack", lambda key, planes: packed.append(key) or real(key, planes))
+    build(copy)
+    assert (packed, files(copy / "report")) == ([], before)
+    changed = next((copy / "cases").glob("*/*/image.exr"))
+    shutil.copyfile(changed, changed.with_suffix(".new"))
+    changed.with_suffix(".new").replace(changed)
+    build(copy)
+    assert {key.partition("/")[0] for key in packed} == {changed.parent.parent.name}
+
+
+@pytest.mark.parametrize("damage", ["half", "other code", "a thumbnail is gone"])
+def test_what_cannot_be_taken_over_is_made_anew(copy: Path, damage: str) -> None:
+    build(copy)
+    before = files(copy / "report")
+    kept = copy / "report" / "data" / "pictures.json"
+    if damage == "half":
+        kept.write_text(kept.read_text()[:100])
+    elif damage == "other code":
+        kept.write_text(json.dumps(json.loads(kept.read_text()) | {"code": "another"}))
+    else:
+        next((copy / "report" / "thumbnails").glob("*/*.png")).unlink()
+    build(copy)
+    assert files(copy / "report") == before
 
 
 def test_brackets_in_a_filter_mean_themselves(tree: Path) -> None:
