@@ -23,7 +23,7 @@ class PowerLaw:
     high: float
 
     def __call__(self, size: float) -> float:
-        return self.factor * size**self.exponent
+        return self.factor * math.pow(size, self.exponent)
 
 
 def power_law(sizes: Sequence[float], costs: Sequence[float]) -> PowerLaw:
