@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     import numpy as np
     import numpy.typing as npt
 
-    from equilux.adapter import Knobs
+    from equilux.adapter import Case, Knobs
     from equilux.plan import Plan
     from equilux.registry import Entry
     from equilux.uncertainty import Uncertainty
@@ -71,12 +71,16 @@ class Climb:
 
     @classmethod
     def of(cls, plan: Plan) -> Climb:
+        if plan.ladders is None:
+            return cls(None, {})
         planned = {(render.case.name, render.adapter) for render in plan.renders if render.action == "run"}
-        truths = {
-            case.name: truth
-            for case in plan.cases
-            if (truth := next((name for name in TRUTHS if (case.name, name) in planned), None)) is not None
-        }
+        closed, traced = TRUTHS
+        truths = {}
+        for case in plan.cases:
+            if (case.name, closed) in planned and _has_closed_form(case):
+                truths[case.name] = closed
+            elif (case.name, traced) in planned:
+                truths[case.name] = traced
         return cls(plan.ladders, truths)
 
     def concerns(self, case: str, adapter: str) -> bool:
@@ -107,6 +111,13 @@ class Climb:
             return False
         self._rung[case, adapter] = before
         return True
+
+
+def _has_closed_form(case: Case) -> bool:
+    """Whether the oracle will deliver: what it lacks for a case is not always a feature of it."""
+    import equilux_oracle
+
+    return not equilux_oracle.supports(case)
 
 
 @dataclass(frozen=True)

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from equilux.edges import MAXIMUM_DELTA_PX
 from equilux.uncertainty import Uncertainty, coverage_factor
 
 SURE = Uncertainty()
@@ -31,6 +32,9 @@ def claimed(image: npt.NDArray[np.floating], stated: Uncertainty) -> Claim:
     """
     if stated.obstacle is not None:
         return Claim(None, stated.obstacle)
+    if stated.film_px > MAXIMUM_DELTA_PX:
+        moved = f"an outline may be displaced by {stated.film_px:.2g} pixels"
+        return Claim(None, f"{moved}; only pixels within {MAXIMUM_DELTA_PX:g} of one are edges")
     if not np.all(np.isfinite(image)):
         return Claim(None, "the picture holds values that are no numbers")
     bound = stated.bound(image)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from equilux.adapter import Bound, Budget, Sampled
+from equilux.adapter import Bound, Budget, Geometric, Sampled
 from equilux.claim import claimed
 from equilux.uncertainty import coverage_factor, stated
 
@@ -41,6 +41,7 @@ def test_a_sampled_uncertainty_counts_with_its_coverage_factor():
         (picture(1.0, 1.0), Budget((Sampled("s", "", sigma=np.full((1, 2, 3), 1e-3), repeats=8),)), "rests on 8 repeats"),
         (picture(np.nan, 1.0), Budget(), "no numbers"),
         (picture(0.1, 0.2), Budget((Bound("b", "", abs=1.0),)), "as large as the largest radiance"),
+        (picture(1.0, 1.0), Budget((Geometric("g", "", film_px=2.0),)), "an outline may be displaced by 2 pixels"),
     ],
 )
 def test_where_nothing_can_be_claimed_the_reason_is_told(image: np.ndarray, budget: Budget, why: str):
