@@ -138,7 +138,7 @@ def _worst(pair: PairRecord, told: Told) -> list[str]:
     if pair.farthest is None or (pair.farthest.x, pair.farthest.y) == (pair.worst.x, pair.worst.y):
         return named
     first, *rest = _both(pair, pair.farthest)
-    return [f"farthest apart: {first}", *rest, named[0].replace("worst pixel:", "most beyond uncertainty:"), *named[1:]]
+    return [f"farthest apart: {first}", *rest, *named]
 
 
 def _both(pair: PairRecord, pixel: Worst) -> list[str]:
