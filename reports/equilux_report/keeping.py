@@ -35,6 +35,7 @@ def remember(run: Run, found: Mapping[str, CasePictures], data: Path) -> None:
         for case in run.cases
         if not found[case.name].problems
     }
+    data.mkdir(parents=True, exist_ok=True)  # of a report without cases there is nothing in it
     (data / KEPT_FILE).write_text(json.dumps({"code": _code(), "cases": cases}), encoding="utf-8")
 
 

@@ -98,7 +98,8 @@ def _details(found: dict[str, Any]) -> str:
         lines.append(f"  lacks {', '.join(lacking)}")
     for name, knob in found["knobs"].items():
         lines.append(f"  --set {found['name']}.{name}={knob.get('default')}  {knob.get('description', '')}".rstrip())
-        lines.append(f"      {_trade(knob)}".rstrip())
+        if trade := _trade(knob):
+            lines.append(f"      {trade}")
     return "".join(f"{line}\n" for line in lines)
 
 

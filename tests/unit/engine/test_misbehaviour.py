@@ -45,6 +45,7 @@ EXPECTED = {
     "dying-idle": ("ok", None, 1),
     "slow": ("ok", None, 1),
     "matte": ("ok", None, 1),
+    "tunable": ("ok", None, 1),
     "absent": ("missing", "no such program: fake-renderer", 0),
     "untranslatable": ("unsupported", "point lights beyond 3 m", 1),
     "nan": ("invalid", "of 48 pixels: 1 NaN", 1),

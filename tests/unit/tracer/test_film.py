@@ -149,7 +149,7 @@ def test_the_typed_stub_names_what_the_extension_has():
     if not stub.exists():  # an editable install keeps the extension apart from the sources
         stub = Path(inspect.getfile(Tracer)).with_name("_tracer.pyi")
     text = stub.read_text()
-    declared = set(re.findall(r"^(?:class )?([A-Za-z]\w*)(?=[:(])", text, re.MULTILINE))
+    declared = set(re.findall(r"^(?:class |def )?([A-Za-z]\w*)(?=[:(])", text, re.MULTILINE))
     present = {name for name in vars(_tracer) if not name.startswith("_")}
     assert declared == present
     for owner in (_tracer.World, _tracer.SceneDescription, _tracer.Cancel):
