@@ -22,7 +22,11 @@ import pytest
 from equilux.extremes.axes import BY_NAME
 from support import povray, vtk
 
-pytestmark = [pytest.mark.slow, pytest.mark.skipif(shutil.which("povray") is None, reason="needs POV-Ray")]
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.skipif(shutil.which("povray") is None, reason="needs POV-Ray"),
+    pytest.mark.xdist_group("extremes by hand"),  # the module's fixture runs the command once
+]
 
 Truth = Callable[[dict[str, Any], np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray]]
 """(scene, eye, unit directions (h, w, 3)) → which pixels are checked (h, w), what they should show (h, w, 3)."""

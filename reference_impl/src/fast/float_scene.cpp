@@ -86,6 +86,10 @@ void refuse_uncovered(const World& world) {
   if (world.description.rules.changed()) refuse("changed rules");
 }
 
+void refuse_crossings(int at_most) {
+  throw TracerError("precision float: a shadow ray crosses more than " + std::to_string(at_most) + " transparent surfaces; use \"exact\"");
+}
+
 FloatScene::FloatScene(const World& world, int width) : world_(world), kernels_(&kernels_of(width)) {
   refuse_uncovered(world);
   const double extent = extent_of_scene();

@@ -46,4 +46,7 @@ const Kernels* kernels_of_4();
 const Kernels* kernels_of_8();
 const Kernels* kernels_of_16();
 
+// Raises TracerError: a shadow ray met more transparent surfaces than are followed.
+[[noreturn]] void refuse_crossings(int at_most);
+
 }  // namespace equilux::fast

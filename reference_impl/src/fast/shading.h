@@ -151,7 +151,8 @@ inline Colours<W> shadow_of(const Tables& scene, embree::PacketQueries& queries,
     if (!scene.transparent_shadows) return share;
     rays.active = wanted & ~blocked;
     Floats<W> left = far;
-    for (int k = 0; k < crossings_at_most && any<W>(rays.active); ++k) {  // from one transparent surface to the next
+    for (int k = 0; any<W>(rays.active); ++k) {  // from one transparent surface to the next
+      if (k == crossings_at_most) refuse_crossings(crossings_at_most);
       Hits<W> hits;
       find_nearest<W, F::planes>(scene, queries, rays, mask_transparent, hits);
       rays.active = hits.found & (hits.t < left);
