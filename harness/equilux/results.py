@@ -155,6 +155,11 @@ class PairRecord(Record):
     explained: float | None = None
     causes: list[Found] = []
 
+    @property
+    def look_at(self) -> Worst | None:
+        """The pixel to be shown where there is room for one."""
+        return self.farthest or self.worst
+
 
 class ExpectationRecord(Record):
     """An expectation of the scene that applies to this case and had a say."""

@@ -66,8 +66,8 @@ def causes(case: CaseRecord, pair: Pair) -> list[str]:
 
 def worst_band(pair: Pair) -> tuple[float, float] | None:
     """The two radiances where they are farthest apart."""
-    worst = mapping(pair.facts, "farthest") or mapping(pair.facts, "worst")
-    a, b = numbers(worst, "a"), numbers(worst, "b")
+    seen = _look_at(pair)
+    a, b = numbers(seen, "a"), numbers(seen, "b")
     if not a or len(a) != len(b):
         return None
     return max(zip(a, b, strict=True), key=lambda values: abs(values[0] - values[1]))
@@ -77,8 +77,8 @@ def worst_pixel(pair: Pair) -> tuple[int, int] | None:
     """Column and row of the pixel where the two are farthest apart; of the first invalid one where nothing else diverges."""
     if count(pair.facts, "diverge") == 0 and pair.first_invalid is not None:
         return pair.first_invalid
-    worst = mapping(pair.facts, "farthest") or mapping(pair.facts, "worst")
-    x, y = number(worst, "x"), number(worst, "y")
+    seen = _look_at(pair)
+    x, y = number(seen, "x"), number(seen, "y")
     return None if x is None or y is None else (int(x), int(y))
 
 
@@ -116,10 +116,15 @@ def _size(pair: Pair) -> str:
     return ", ".join(parts)
 
 
+def _look_at(pair: Pair) -> Facts:
+    """The pixel to be shown where there is room for one; results of before have only the one most beyond uncertainty."""
+    return mapping(pair.facts, "farthest") or mapping(pair.facts, "worst")
+
+
 def _is_elsewhere(pair: Pair) -> bool:
     """Whether E_n is largest at another pixel than the difference."""
-    farthest, worst = mapping(pair.facts, "farthest"), mapping(pair.facts, "worst")
-    return bool(farthest) and any(number(farthest, axis) != number(worst, axis) for axis in "xy")
+    worst = mapping(pair.facts, "worst")
+    return any(number(_look_at(pair), axis) != number(worst, axis) for axis in "xy")
 
 
 def _gone(case: CaseRecord, pair: Pair) -> list[str]:

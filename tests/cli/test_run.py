@@ -16,6 +16,9 @@ from support.engine import LABORATORIES, write_scene
 PINNED = "expect:\n  - {adapter: good, cause: 'fakes:ramp'}"
 """The fake laboratories paint a ramp; against the real truths that diverges."""
 
+BARE = ("--no-html", "--no-diagnose")
+"""Where neither the report nor causes are the point."""
+
 
 def results(folder: str = "equilux-out") -> dict:
     return json.loads((Path(folder) / "results.json").read_text())
@@ -37,25 +40,25 @@ def results(folder: str = "equilux-out") -> dict:
 )
 def test_the_exit_code_says_how_it_went(tiny: Path, equilux, adapters: str, specular: float, rest: str, code: int):
     write_scene(tiny, specular=specular, rest=rest)
-    said = equilux("run", tiny, "--adapters", adapters, "--no-html", "--no-diagnose")
+    said = equilux("run", tiny, "--adapters", adapters, *BARE)
     assert said.code == code, said
     assert results()["summary"]["exit_code"] == code
 
 
 def test_a_divergence_that_nobody_pinned_is_shown_with_its_numbers(tiny: Path, equilux):
-    said = equilux("run", tiny, "--adapters", "good", "--no-html", "--no-diagnose")
+    said = equilux("run", tiny, "--adapters", "good", *BARE)
     assert "tiny: good diverges from oracle: 48 of 48 pixels, largest difference" in said.out
     assert "results: equilux-out/results.json" in said.out
 
 
 def test_a_pinned_divergence_that_is_gone_says_what_to_remove(tiny: Path, equilux):
     write_scene(tiny, rest="expect:\n  - {adapter: reference, cause: scaled}")
-    said = equilux("run", tiny, "--adapters", "reference", "--no-html", "--no-diagnose")
+    said = equilux("run", tiny, "--adapters", "reference", *BARE)
     assert "tiny: reference agrees with oracle, but the scene expects it to diverge (scaled): remove the expectation" in said.out
 
 
 def test_the_truths_that_were_not_named_are_added_and_stderr_says_so(tiny: Path, equilux):
-    said = equilux("run", tiny, "--adapters", "good", "--no-html", "--no-diagnose")
+    said = equilux("run", tiny, "--adapters", "good", *BARE)
     assert said.err.startswith("added oracle and reference: there is always a truth to judge against\n")
     assert set(results()["cases"][0]["renders"]) == {"good", "oracle", "reference"}
 
@@ -80,19 +83,19 @@ def test_a_plan_renders_nothing_and_touches_nothing(tiny: Path, equilux, elsewhe
 
 def test_as_is_renders_what_lacks_a_feature(tiny: Path, equilux):
     write_scene(tiny, specular=0.5)
-    assert equilux("run", tiny, "--adapters", "matte", "--no-html", "--no-diagnose", "--as-is").code == 1
+    assert equilux("run", tiny, "--adapters", "matte", *BARE, "--as-is").code == 1
     assert results()["cases"][0]["renders"]["matte"]["status"] == "ok"
 
 
 def test_json_on_stdout_is_results_json_and_nothing_else(tiny: Path, equilux):
-    said = equilux("run", tiny, "--adapters", "good,nan", "--no-html", "--no-diagnose", "--json")
+    said = equilux("run", tiny, "--adapters", "good,nan", *BARE, "--json")
     printed = json.loads(said.out)
     assert printed == results()
     jsonschema.Draft202012Validator(json_schema()).validate(printed)
 
 
 def test_progress_off_a_terminal_is_plain_lines_on_stderr(tiny: Path, equilux):
-    said = equilux("run", tiny, "--adapters", "good,raising", "--no-html", "--no-diagnose")
+    said = equilux("run", tiny, "--adapters", "good,raising", *BARE)
     assert "tiny: raising failed: the adapter raised ZeroDivisionError: the renderer divided by zero\n" in said.err
     assert "[1/1] tiny: good ok, oracle ok, raising failed, reference ok; pairs: 1 agree, 2 diverge unexpectedly\n" in said.err
     assert "\x1b" not in said.err + said.out
@@ -101,17 +104,17 @@ def test_progress_off_a_terminal_is_plain_lines_on_stderr(tiny: Path, equilux):
 def test_a_sweep_is_filtered_by_case_and_knobs_are_set(tiny: Path, equilux):
     write_scene(tiny, specular=0.5, rest="sweep:\n  exponent: {path: materials.clay.exponent, values: [1, 10, 100]}")
     wanted = ("--case-filter", "*=10*", "--set", "level=2", "--out", "some/where")
-    equilux("run", tiny, "--adapters", "good", *wanted, "--no-html", "--no-diagnose")
+    equilux("run", tiny, "--adapters", "good", *wanted, *BARE)
     assert [case["case"] for case in results("some/where")["cases"]] == ["tiny[exponent=10]", "tiny[exponent=100]"]
     record = json.loads(Path("some/where/cases/tiny[exponent=10]/good/render.json").read_text())
     assert record["knobs"] == {"level": 2}
 
 
 def test_the_second_run_is_made_of_reused_renders_and_no_reuse_makes_them_anew(tiny: Path, equilux):
-    equilux("run", tiny, "--adapters", "good", "--no-html", "--no-diagnose")
-    again = equilux("run", tiny, "--adapters", "good", "--no-html", "--no-diagnose")
+    equilux("run", tiny, "--adapters", "good", *BARE)
+    again = equilux("run", tiny, "--adapters", "good", *BARE)
     assert "(3 ok, 3 reused)" in again.out
-    anew = equilux("run", tiny, "--adapters", "good", "--no-html", "--no-diagnose", "--no-reuse")
+    anew = equilux("run", tiny, "--adapters", "good", *BARE, "--no-reuse")
     assert "(3 ok)" in anew.out
     assert Path(".cache/renders").is_dir()
 
@@ -127,7 +130,7 @@ def test_the_report_is_built_and_its_path_printed(tiny: Path, equilux):
 
 
 def test_a_report_that_would_overwrite_or_show_nothing_is_bad_usage(tiny: Path, equilux, elsewhere: Path):
-    equilux("run", tiny, "--adapters", "reference", "--no-html", "--no-diagnose")
+    equilux("run", tiny, "--adapters", "reference", *BARE)
     (elsewhere / "full").mkdir()
     (elsewhere / "full" / "photo.jpg").write_text("mine")
     for arguments in (["--out", "full"], ["--case-filter", "nothing"]):
@@ -138,7 +141,7 @@ def test_a_report_that_would_overwrite_or_show_nothing_is_bad_usage(tiny: Path, 
 
 def test_an_adapter_that_cannot_be_loaded_fails_when_it_is_run(tiny: Path, equilux, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.syspath_prepend(LABORATORIES.parent / "broken_laboratories")
-    said = equilux("run", tiny, "--adapters", "outdated", "--no-html", "--no-diagnose")
+    said = equilux("run", tiny, "--adapters", "outdated", *BARE)
     assert said.code == 3
     render = results()["cases"][0]["renders"]["outdated"]
     assert (render["status"], "api_version is 99" in render["reason"]) == ("failed", True)
@@ -147,12 +150,12 @@ def test_an_adapter_that_cannot_be_loaded_fails_when_it_is_run(tiny: Path, equil
 def test_a_worker_survives_a_stray_module_in_the_working_folder(tiny: Path, elsewhere: Path):
     (elsewhere / "numpy.py").write_text("raise SystemExit('stray')\n")
     (elsewhere / "json.py").write_text("raise SystemExit('stray')\n")
-    command = [sys.executable, "-P", "-m", "equilux", "run", str(tiny), "--adapters", "good", "--no-html", "--no-diagnose"]
+    command = [sys.executable, "-P", "-m", "equilux", "run", str(tiny), "--adapters", "good", *BARE]
     done = subprocess.run(command, capture_output=True, text=True)
     assert done.returncode == 1, done.stderr
 
 
 def test_a_limit_on_time_is_kept(tiny: Path, equilux):
-    said = equilux("run", tiny, "--adapters", "hanging", "--timeout", "0.3", "--no-html", "--no-diagnose")
+    said = equilux("run", tiny, "--adapters", "hanging", "--timeout", "0.3", *BARE)
     assert said.code == 3
     assert results()["cases"][0]["renders"]["hanging"]["status"] == "timeout"

@@ -120,7 +120,7 @@ def _pair_line(case: CaseRecord, pair: PairRecord) -> str:
         return f"{case.case}: {pair.a} {what}: remove the expectation{'s' if len(gone) > 1 else ''}"
     if pair.diverge:
         size = f", largest difference {pair.max_abs:.3g}" if pair.max_abs is not None else ""
-        far = pair.farthest or pair.worst
+        far = pair.look_at
         share = f"{pair.diverge} of {pair.pixels} pixels{size}"
     else:
         share, far = pair.reason or "no pixel could be scored", pair.worst

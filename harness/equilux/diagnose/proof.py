@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from equilux.compare import AGREE, DIVERGE, INVALID, PairResult, RenderedImage, compare_pair
-from equilux.diagnose.bounds import ERROR_CHANNELS, Floats, PairBounds, error_of
+from equilux.diagnose.bounds import ERROR_CHANNELS, Floats, PairBounds, Pixels, error_of
 from equilux.diagnose.evidence import centres
 from equilux.diagnose.trials import Causes, Workshop, shown_with_error
 from equilux.uncertainty import Uncertainty
@@ -127,13 +127,13 @@ class Court:
             changed,
         )
         proof = Proof(causes, picture, self.scored.planes["class"], result.planes["class"], result.json["max_abs"], result)
-        return proof if self._is_telling(proof, bounds.at(np.arange(height * width), radiance, error)) else None
+        mended = np.flatnonzero(proof.mended)
+        return proof if self._is_telling(mended, bounds.at(mended, radiance[mended], error[mended])) else None
 
-    def _is_telling(self, proof: Proof, bound: Floats) -> bool:
-        mended = proof.mended.reshape(-1)
+    def _is_telling(self, mended: Pixels, bound: Floats) -> bool:
         seen, true = (np.asarray(image, np.float64).reshape(-1, 3)[mended] for image in (self.side.image, self.truth.image))
-        telling = np.flatnonzero((np.abs(seen - true) > bound[mended]).any(axis=1))
-        return len(telling) >= TELLING * len(seen)
+        telling = np.flatnonzero((np.abs(seen - true) > bound).any(axis=1))
+        return len(telling) >= TELLING * len(mended)
 
 
 def _magnified(changed: ChangedTracer, radiance: Floats, own: Floats, film_xy: Floats) -> Floats:

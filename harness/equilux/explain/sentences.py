@@ -69,7 +69,7 @@ def one_line(case: CaseRecord, pair: PairRecord) -> str:
 
 def _by_how_much(pair: PairRecord) -> str:
     worst = f", worst {short(pair.max_abs)} {UNIT}" if pair.max_abs is not None else ""
-    far = pair.farthest or pair.worst
+    far = pair.look_at
     return worst + (f" at ({far.x}, {far.y})" if far is not None else "")
 
 

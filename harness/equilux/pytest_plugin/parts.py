@@ -64,6 +64,11 @@ def read_part(folder: Path, scene: str) -> Part | None:
     return _read(folder / f"{file_name(scene if noted is None else str(noted))}.json")
 
 
+def is_left(folder: Path, scene: str) -> bool:
+    """Whether a process has left the scene's part: cheaper than to read it."""
+    return any((folder / f"{file_name(scene)}{suffix}").exists() for suffix in (".json", NOTE))
+
+
 def read_parts(folder: Path) -> list[Part]:
     """All of a session, in the order of their first scenes."""
     found = [part for path in folder.glob("*.json") if (part := _read(path)) is not None]

@@ -17,7 +17,7 @@ from equilux.ci.view import shown
 from equilux.complaint import BadUsage
 from equilux.knobs import resolve
 from equilux.plan import RUN, Plan, Selection, make_plan, select_adapters
-from equilux.pytest_plugin.parts import Part, file_name, read_part, write_part
+from equilux.pytest_plugin.parts import Part, file_name, is_left, read_part, write_part
 from equilux.pytest_plugin.settings import Settings, above_zero, at_least_one
 from equilux.registry import Registry
 from equilux.tree import SCRATCH_PREFIX, check_usable
@@ -137,14 +137,14 @@ class Conductor:
     def _to_come(self, scene: str, held: ExitStack) -> list[str]:
         """Scenes after this one that nobody has begun, to be rendered along with it, for the same adapters; they are held."""
         wanted, self._at_once = self._at_once - 1, min(2 * self._at_once, MOST_AT_ONCE)
-        names = list(self._chosen)
+        names, adapters = list(self._chosen), self._adapters_of(scene)
         found: list[str] = []
         for other in names[names.index(scene) + 1 :]:
             if len(found) == wanted:
                 break
-            if other in self._done or self._adapters_of(other) != self._adapters_of(scene):
+            if is_left(self._parts, other) or self._adapters_of(other) != adapters:
                 continue
-            if self._hold(other, held, wait=False) and read_part(self._parts, other) is None:
+            if self._hold(other, held, wait=False) and not is_left(self._parts, other):  # it may have been left just now
                 found.append(other)
         return found
 
