@@ -18,8 +18,6 @@ from equilux.extremes import record
 from equilux.extremes.axes import AXES, BY_NAME
 from support.engine import LABORATORIES
 
-pytestmark = pytest.mark.xdist_group("extremes")  # the module's fixtures are made once
-
 Command = Callable[..., Any]
 
 

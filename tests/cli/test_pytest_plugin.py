@@ -18,7 +18,6 @@ from equilux.registry import Registry
 from support.engine import LABORATORIES, registry, write_scene
 
 pytest_plugins = ["pytester"]
-pytestmark = pytest.mark.xdist_group("pytest plugin")  # the module's fixtures are made once
 
 CONFTEST = """
 import json, os

@@ -25,7 +25,6 @@ from support import povray, vtk
 pytestmark = [
     pytest.mark.slow,
     pytest.mark.skipif(shutil.which("povray") is None, reason="needs POV-Ray"),
-    pytest.mark.xdist_group("extremes by hand"),  # the module's fixture runs the command once
 ]
 
 Truth = Callable[[dict[str, Any], np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray]]
