@@ -17,7 +17,7 @@ test:
 	@.ci/setup --browser
 	@$(PYTHON) -m ruff check .
 	@$(PYTHON) -m mypy
-	@$(PYTHON) -m pytest -q -n 2 --dist loadfile
+	@$(PYTHON) -m pytest -q -n 2 --dist loadfile --no-loadscope-reorder
 
 # About half an hour on two cores; exits 1 where a demand is not met.
 mutation: setup

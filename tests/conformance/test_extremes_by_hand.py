@@ -116,12 +116,13 @@ HANDS: dict[tuple[str, str], tuple[Truth, Any]] = {
 def by_hand(name: str, truth: Truth, runner: Any, direction: str, folder: Path) -> float | None:
     """The first value, outward, at which a checked pixel is wrong."""
     axis = BY_NAME[name]
-    for step, value in enumerate((axis.benign, *getattr(axis, direction))):
+    values = (axis.benign, *getattr(axis, direction))
+    cases = [runner.case_of_text(axis.text(value, axis.models[0])) for value in values]
+    for value, run in zip(values, runner.run_all(cases, folder), strict=True):
         scene = axis.scene(value, axis.models[0])
         checked, expected = truth(scene, *rays(scene))
         assert checked.sum() > 20, f"{name} = {value}: {checked.sum()} pixels to check"
-        picture = runner.run(runner.case_of_text(axis.text(value, axis.models[0])), folder / str(step)).image
-        error = np.abs(picture - expected).max(axis=2) / expected.max()
+        error = np.abs(run.image - expected).max(axis=2) / expected.max()
         if not (error[checked] <= WRONG).all():
             return value
     return None
