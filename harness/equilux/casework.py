@@ -187,10 +187,12 @@ class CaseWork:
 
     def settle_earlier(self, who: Provenance, demand: Demand | None = None) -> bool:
         """Keep the render that a continued tree already holds. False when there is none that is whole, made from the same inputs
-        and as accurate as is asked."""
+        and as accurate as is asked, or when the store has lost its budget: without that a diagnosis would be another."""
         folder = self.tree.render_folder(self.case.name, who.adapter)
         record = read_json(folder / "render.json")
         if record is None or who.key is None or record.get("status") != "ok" or record.get("key") != who.key:
+            return False
+        if self.store is not None and not self.store.holds("renders", who.key):
             return False
         try:
             if not record["files"] or record["files"] != _file_hashes(folder):

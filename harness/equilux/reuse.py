@@ -66,6 +66,10 @@ class Store:
             return False
         return True
 
+    def holds(self, kind: str, key: str) -> bool:
+        """Whether there is an entry; whether it is sound, `fetch` finds out."""
+        return (self._folder(kind, key) / ENTRY).is_file()
+
     def put(self, kind: str, key: str, fill: Callable[[Path], None]) -> None:
         """Add an entry; `fill` writes its files into a folder. Failing to write is no error: it is only not remembered."""
         folder = self._folder(kind, key)

@@ -16,8 +16,10 @@ from equilux.complaint import BadUsage
 RUN_SCHEMA = "equilux/run/1"
 OURS = (
     "run.json", "results.json", "junit.xml", "summary.md", "expectations.patch", "cases", "report", "extremes.json", "extremes",
+    "inputs.json",
 )  # fmt: skip
 """What a results tree consists of; nothing else in the folder is ever touched."""
+INPUTS_FILE = "inputs.json"
 SCRATCH_PREFIX = ".scratch-"
 
 

@@ -11,6 +11,7 @@ import subprocess
 import sys
 import tempfile
 import threading
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -101,6 +102,8 @@ class Nursery:
 
     def close(self) -> None:
         """End the nursery, and with it every worker that is left."""
+        with suppress(OSError):  # gone already
+            self._control.shutdown(socket.SHUT_RDWR)  # closing alone tells nobody while a thread of ours still listens
         self._control.close()
         try:
             self._process.wait(5)

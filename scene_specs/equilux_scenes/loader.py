@@ -72,7 +72,7 @@ def load_scenes(paths: Iterable[str | Path], limits: Limits | None = None) -> li
     loaded: list[SceneFile] = []
     errors: list[SpecError] = []
     seen: set[Path] = set()
-    for path in _spec_paths(paths, errors):
+    for path in _named(paths, errors):
         real = path.resolve()
         if real in seen:
             continue
@@ -87,7 +87,12 @@ def load_scenes(paths: Iterable[str | Path], limits: Limits | None = None) -> li
     return loaded
 
 
-def _spec_paths(paths: Iterable[str | Path], errors: list[SpecError]) -> Iterator[Path]:
+def spec_paths(paths: Iterable[str | Path]) -> list[Path]:
+    """The files that `load_scenes` would read, in its order; without paths, those of the shipped corpus."""
+    return list(_named(list(paths) or [corpus_folder()], []))
+
+
+def _named(paths: Iterable[str | Path], errors: list[SpecError]) -> Iterator[Path]:
     for path in map(Path, paths):
         if not path.is_dir():
             yield path

@@ -15,7 +15,7 @@ from equilux.ci.view import RunView, sources_of
 
 JUNIT_FILE, SUMMARY_FILE = "junit.xml", "summary.md"
 
-__all__ = ["JUNIT_FILE", "SUMMARY_FILE", "RunView", "announce", "sources_of", "write_files"]
+__all__ = ["JUNIT_FILE", "SUMMARY_FILE", "RunView", "announce", "announces", "sources_of", "write_files"]
 
 
 def write_files(view: RunView) -> None:
@@ -27,6 +27,11 @@ def write_files(view: RunView) -> None:
     for name, content in ((JUNIT_FILE, junit(view)), (SUMMARY_FILE, summary(view).encode())):
         with whole_file(view.tree / name) as temporary:
             temporary.write_bytes(content)
+
+
+def announces(environment: Mapping[str, str] = os.environ) -> bool:
+    """Whether `announce` would tell anybody anything."""
+    return environment.get("GITHUB_ACTIONS") == "true" or bool(environment.get("GITHUB_STEP_SUMMARY"))
 
 
 def announce(view: RunView, environment: Mapping[str, str] = os.environ, stream: TextIO | None = None) -> None:

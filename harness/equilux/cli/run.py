@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -13,10 +15,15 @@ from equilux.cli.inputs import shown
 from equilux.complaint import BadUsage
 
 if TYPE_CHECKING:
-    from equilux.plan import Plan
+    from equilux.adapter import Knobs
+    from equilux.plan import Plan, Selection
+    from equilux.results import Results
     from equilux.run import Finished
 
 Flag = Annotated[bool, Parameter(negative="")]
+
+COMPLETE = (0, 1, 4)
+"""Exit codes of a run that did all its work."""
 
 
 def run(
@@ -111,13 +118,25 @@ def run(
     _check_flip(flip)
     pinning.check_allowed(update=update_expectations, yes=yes, plan=plan, diagnose=diagnose)
     names = inputs.split_names("--adapters", adapters)
-    planned = _planned(scenes, names, set_, preset, case_filter, limit, as_is=as_is, as_json=json)
-    planned = _with_accuracy(planned, accuracy)
+    from equilux.ci import announces
     from equilux.tree import check_usable
+    from equilux.unchanged import Inputs, earlier_results, remember
 
+    chosen = _chosen(names, set_, preset)
+    choices = {
+        "adapters": names, "accuracy": accuracy, "case_filter": case_filter, "timeout": timeout, "memory": memory, "as_is": as_is,
+        "html": html, "flip": flip, "diagnose": diagnose, "diagnosis_timeout": diagnosis_timeout, "limit": limit,
+    }  # fmt: skip
+    state = None
+    if reuse and not (plan or fail_fast or update_expectations or announces()):
+        check_usable(out)
+        state = Inputs(choices, scenes, chosen.selection.entries, chosen.knobs).state()
+        if (earlier := earlier_results(out, state)) is not None:
+            return _take_over(earlier, out, chosen.selection.added, html=html, as_json=json)
+    planned = _planned(scenes, chosen, case_filter, limit, as_is=as_is, as_json=json)
+    planned = _with_accuracy(planned, accuracy)
     check_usable(out)
-    if planned.added:
-        sys.stderr.write(f"added {' and '.join(planned.added)}: there is always a truth to judge against\n")
+    _tell_added(planned.added)
     if plan:
         return _show_plan(planned, as_json=json)
     from equilux import ci
@@ -125,7 +144,7 @@ def run(
 
     diagnosis_limit_s = diagnosis_timeout if diagnose else None
     finished = _execute(planned, out, jobs, timeout, memory, diagnosis_limit_s, reuse=reuse, fail_fast=fail_fast, flip=flip)
-    _tell(finished, out, as_json=json)
+    _tell(finished.results, finished.errors, out, as_json=json)
     ci.announce(ci.RunView(finished.results, out, planned.named, ci.sources_of(planned.cases), finished.errors))
     pinning.forget(out)
     if html and finished.exit_code != INTERRUPTED:
@@ -135,6 +154,8 @@ def run(
             sys.stderr.write(f"the report cannot be written: {problem}\n")
             return ENGINE_FAULT
         (sys.stderr if json else sys.stdout).write(f"report: {shown(page)}\n")
+    if state is not None and finished.exit_code in COMPLETE and not finished.errors:
+        remember(out, state, planned.cases, finished.results, diagnosis_timeout)
     if update_expectations and finished.exit_code != INTERRUPTED:
         sources = {case.source for case in planned.cases}
         pinning.update_expectations(finished.results, sources, out, limit, yes=yes, as_json=json)
@@ -148,22 +169,50 @@ def _check_flip(flip: bool) -> None:
         raise BadUsage("--flip: HDR-FLIP needs the package flip-evaluator: install equilux[flip]")
 
 
-def _planned(
-    scenes: tuple[Path, ...], adapters: list[str] | None, settings: tuple[str, ...], preset: str | None, case_filter: str | None,
-    limit: tuple[str, ...], *, as_is: bool, as_json: bool,
-) -> Plan:  # fmt: skip
+@dataclass(frozen=True)
+class _Chosen:
+    """Who takes part, and with which knobs."""
+
+    selection: Selection
+    knobs: Mapping[str, Knobs]
+
+
+def _chosen(adapters: list[str] | None, settings: tuple[str, ...], preset: str | None) -> _Chosen:
     from equilux import knobs, plan
     from equilux.registry import Registry
 
-    loaded = inputs.load(scenes, limit, as_json=as_json)
     selection = plan.select_adapters(Registry.discover(), adapters)
     if preset is not None:
         from equilux.tradeoff.presets import preset_settings
 
         settings = (*preset_settings(preset, selection.entries), *settings)
-    resolved = knobs.resolve(settings, selection.entries)
+    return _Chosen(selection, knobs.resolve(settings, selection.entries))
+
+
+def _planned(
+    scenes: tuple[Path, ...], chosen: _Chosen, case_filter: str | None, limit: tuple[str, ...], *, as_is: bool, as_json: bool
+) -> Plan:
+    from equilux import plan
+
+    loaded = inputs.load(scenes, limit, as_json=as_json)
     cases = plan.filter_cases((case for scene in loaded for case in scene.cases), case_filter)
-    return plan.make_plan(cases, selection, resolved, as_is=as_is)
+    return plan.make_plan(cases, chosen.selection, chosen.knobs, as_is=as_is)
+
+
+def _tell_added(names: Sequence[str]) -> None:
+    if names:
+        sys.stderr.write(f"added {' and '.join(names)}: there is always a truth to judge against\n")
+
+
+def _take_over(earlier: Results, out: Path, added: Sequence[str], *, html: bool, as_json: bool) -> int:
+    """Tell what an earlier run left, where a new one would make the same again."""
+    _tell_added(added)
+    _tell(earlier, (), out, as_json=as_json)
+    said = sys.stderr if as_json else sys.stdout
+    said.write(f"nothing has changed since the run of {earlier.run.ended}: nothing was rendered or compared again\n")
+    if html:
+        said.write(f"report: {shown(out / 'report' / 'index.html')}\n")
+    return earlier.summary.exit_code
 
 
 def _with_accuracy(plan: Plan, accuracy: float | None) -> Plan:
@@ -237,14 +286,14 @@ def _report(out: Path) -> Path:
     return build(out)
 
 
-def _tell(finished: Finished, out: Path, *, as_json: bool) -> None:
+def _tell(results: Results, errors: Sequence[str], out: Path, *, as_json: bool) -> None:
     from equilux.cli.summary import summary
 
-    for error in finished.errors:
+    for error in errors:
         sys.stderr.write(f"{error}\n")
     if as_json:
-        inputs.print_json(finished.results.model_dump(mode="json"))
+        inputs.print_json(results.model_dump(mode="json"))
     else:
-        sys.stdout.write(summary(finished.results))
+        sys.stdout.write(summary(results))
         sys.stdout.write(f"results: {out / 'results.json'}\n")
     sys.stdout.flush()
