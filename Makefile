@@ -25,7 +25,7 @@ mutation: setup
 	@PYTHONPATH=tests $(PYTHON) -m mutation.suite --out docs/mutation.md --json build/mutation.json
 
 tradeoff: setup
-	@.venv/bin/equilux tradeoff --repeats 3 --out build/tradeoff --presets harness/equilux/tradeoff/presets.json --page docs/tradeoff.md
+	@.venv/bin/equilux tradeoff --repeats 3 --clock cpu --out build/tradeoff --presets harness/equilux/tradeoff/presets.json --page docs/tradeoff.md
 
 lint: setup
 	$(PYTHON) -m ruff check .

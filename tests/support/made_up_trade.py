@@ -8,15 +8,17 @@ from equilux.tradeoff.front import mark_fronts
 from equilux.tradeoff.record import CaseTrade, Made, Measured, RendererTrade, Spread, Times, Tradeoff
 
 
-def exactly(seconds: float) -> Spread:
-    return Spread(median=seconds, low=seconds, high=seconds, confidence=0.9375, samples=5)
+def about(seconds: float, within: float = 0.0) -> Spread:
+    """A median, and an interval that reaches a share of it to both sides."""
+    low, high = (1 - within) * seconds, (1 + within) * seconds
+    return Spread(median=seconds, low=low, high=high, confidence=0.9375, samples=5)
 
 
 def setting(
     label: str, seconds: float, accuracy: float | None, *, claimed: float | None = None, cpu: float | None = None,
-    knobs: dict[str, Any] | None = None, **more: Any,
+    knobs: dict[str, Any] | None = None, within: float = 0.0, **more: Any,
 ) -> Measured:  # fmt: skip
-    times = Times(wall={"total": exactly(seconds)}, cpu={"total": exactly(seconds if cpu is None else cpu)})
+    times = Times(wall={"total": about(seconds, within)}, cpu={"total": about(seconds if cpu is None else cpu, within)})
     return Measured(
         label=label, knobs=knobs or {"n": label}, status="ok", times=times, accuracy=accuracy, claimed=claimed or accuracy, **more
     )  # fmt: skip

@@ -14,7 +14,7 @@ from pydantic import ValidationError
 from equilux.complaint import BadUsage
 from equilux.registry import Entry
 from equilux.tradeoff.front import seconds_of
-from equilux.tradeoff.record import AdapterPresets, Measured, Preset, Presets, Rung, Tradeoff
+from equilux.tradeoff.record import AdapterPresets, Clock, Measured, Preset, Presets, Rung, Tradeoff
 
 NAMES = ("fast", "balanced", "exact")
 FAST_ERROR, BALANCED_ERROR = 1e-2, 1e-4
@@ -54,14 +54,17 @@ def _settings(measured: Tradeoff, name: str) -> BySetting:
     return {key: by_case for key, by_case in found.items() if len(by_case) == len(cases)}
 
 
-def _presets(settings: BySetting, clock: Any) -> dict[str, Preset]:
+def _presets(settings: BySetting, clock: Clock) -> dict[str, Preset]:
     """By name. Where none is as accurate as asked, the most accurate one stands for it, and the rule says so."""
-    ranked = [(key, _worst_accuracy(by_case), _cost(by_case, clock)) for key, by_case in settings.items()]
-    known = [each for each in ranked if each[1] is not None]
-    if not known:
+    worst = {key: accuracy for key, by_case in settings.items() if (accuracy := _worst_accuracy(by_case)) is not None}
+    if not worst:
         return {}
-    best = min(accuracy for _, accuracy, _ in known if accuracy is not None)
-    exact = _cheapest(known, best * AS_GOOD)
+
+    def cheapest(bound: float) -> str | None:
+        return _cheapest({key: settings[key] for key, accuracy in worst.items() if accuracy <= bound}, worst, clock)
+
+    best = min(worst.values())
+    exact = cheapest(best * AS_GOOD)
     rules = {
         "fast": (FAST_ERROR, f"cheapest with error ≤ {FAST_ERROR:g} on every measured case"),
         "balanced": (BALANCED_ERROR, f"cheapest with error ≤ {BALANCED_ERROR:g} on every measured case"),
@@ -69,7 +72,7 @@ def _presets(settings: BySetting, clock: Any) -> dict[str, Preset]:
     }
     found = {}
     for name, (bound, rule) in rules.items():
-        key = _cheapest(known, bound)
+        key = cheapest(bound)
         if key is None:
             key, rule = exact, f"none reaches {bound:g}: the most accurate"
         if key is not None:
@@ -77,12 +80,36 @@ def _presets(settings: BySetting, clock: Any) -> dict[str, Preset]:
     return found
 
 
-def _cheapest(ranked: Iterable[tuple[str, float | None, float]], bound: float) -> str | None:
-    meeting = [(cost, accuracy, key) for key, accuracy, cost in ranked if accuracy is not None and accuracy <= bound]
-    return min(meeting)[2] if meeting else None
+def _cheapest(settings: BySetting, worst: Mapping[str, float], clock: Clock) -> str | None:
+    """The cheapest setting; of all that take as long as it, as far as could be measured, the default one, else the most accurate:
+    a knob that gains nothing on the measured cases is not turned, for on others it may lose something."""
+    if not settings:
+        return None
+    first = min(settings, key=lambda key: _cost(settings[key], clock))
+    as_fast = [key for key in settings if _as_fast(settings[key], settings[first], clock)]
+    return min(as_fast, key=lambda key: (not _is_default(settings[key]), worst[key]))
 
 
-def _preset(by_case: Mapping[str, Measured], rule: str, clock: Any) -> Preset:
+def _as_fast(by_case: Mapping[str, Measured], other: Mapping[str, Measured], clock: Clock) -> bool:
+    """Whether the intervals of the two times overlap on every case."""
+    return all(
+        _interval(by_case[case], clock)[0] <= _interval(other[case], clock)[1]
+        and _interval(other[case], clock)[0] <= _interval(by_case[case], clock)[1]
+        for case in by_case
+    )
+
+
+def _interval(setting: Measured, clock: Clock) -> tuple[float, float]:
+    assert setting.times is not None  # _settings
+    total = getattr(setting.times, clock)["total"]
+    return total.low, total.high
+
+
+def _is_default(by_case: Mapping[str, Measured]) -> bool:
+    return next(iter(by_case.values())).default
+
+
+def _preset(by_case: Mapping[str, Measured], rule: str, clock: Clock) -> Preset:
     one = next(iter(by_case.values()))
     cases = {case: (setting.accuracy, seconds_of(setting, clock)) for case, setting in by_case.items()}
     seconds = [taken for _, taken in cases.values() if taken is not None]
@@ -98,13 +125,13 @@ def _worst_accuracy(by_case: Mapping[str, Measured]) -> float | None:
     return max(known) if len(known) == len(found) else None
 
 
-def _cost(by_case: Mapping[str, Measured], clock: Any) -> float:
+def _cost(by_case: Mapping[str, Measured], clock: Clock) -> float:
     """Geometric mean of the seconds over the cases: no slow case outweighs the others."""
     taken = [seconds_of(setting, clock) or math.inf for setting in by_case.values()]
     return math.exp(sum(math.log(max(each, 1e-9)) for each in taken) / len(taken))
 
 
-def _ladder(settings: BySetting, clock: Any) -> list[Rung]:
+def _ladder(settings: BySetting, clock: Clock) -> list[Rung]:
     """The settings that claim something better than all cheaper ones on some case, cheapest first. The cases of a corpus ask for
     more than the measured ones do, so the last is the setting whose knobs are all at their most accurate."""
     ordered = sorted(settings.values(), key=lambda by_case: _cost(by_case, clock))
@@ -124,7 +151,7 @@ def _best(kept: Iterable[Mapping[str, Measured]], case: str) -> float:
     return min((claim for claim in claims if claim is not None), default=math.inf)
 
 
-def _rung(by_case: Mapping[str, Measured], clock: Any) -> Rung:
+def _rung(by_case: Mapping[str, Measured], clock: Clock) -> Rung:
     one = next(iter(by_case.values()))
     claims = {case: setting.claimed for case, setting in by_case.items()}
     return Rung(knobs=one.knobs, label=one.label, seconds=_cost(by_case, clock), claimed=claims)

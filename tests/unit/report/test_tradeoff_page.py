@@ -13,7 +13,7 @@ from equilux.tradeoff.presets import derive
 from equilux.tradeoff.record import Cost, FeatureCost, StartUp
 from equilux_report import build_tradeoff
 from equilux_report.tradeplots import marks_of, trade_plot
-from support.made_up_trade import case, exactly, failed, measurement, setting
+from support.made_up_trade import case, about, failed, measurement, setting
 
 SETTINGS = [
     setting("facets <16>", 0.1, 1e-2), setting("facets 64", 0.3, 1e-4, most_accurate_knobs=True), setting("wasteful", 0.4, 1e-3),
@@ -26,9 +26,9 @@ def folder(tmp_path: Path) -> Path:
     found = measurement(case("ball[p=1]", quick=SETTINGS, slow=[setting("default", 2.0, 0.0)]))
     found.answers = answers(found.cases, "wall", errors=[1e-3], times=[0.2])
     found.start_up = {
-        "quick": StartUp(wall=exactly(0.5), cpu=exactly(0.2), small_picture_wall=exactly(0.01), small_picture_cpu=exactly(0.01))
+        "quick": StartUp(wall=about(0.5), cpu=about(0.2), small_picture_wall=about(0.01), small_picture_cpu=about(0.01))
     }
-    spreads = {f"{kind}_{clock}": exactly(0.1) for kind in ("without", "with", "extra") for clock in ("wall", "cpu")}
+    spreads = {f"{kind}_{clock}": about(0.1) for kind in ("without", "with", "extra") for clock in ("wall", "cpu")}
     renderers = {"quick": Cost(status="measured", **spreads), "slow": Cost(status="unsupported", reason="cannot mirror")}
     found.features = [FeatureCost(feature="mirror", words="mirrors", with_case="on", without_case="off", renderers=renderers)]
     found.presets = derive(found)

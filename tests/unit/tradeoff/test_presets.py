@@ -53,6 +53,15 @@ def test_where_no_setting_is_as_accurate_as_a_preset_asks_the_most_accurate_stan
     assert found.presets["fast"].rule == "none reaches 0.01: the most accurate"
 
 
+def test_of_settings_that_take_equally_long_the_default_one_is_taken_and_else_the_most_accurate():
+    """Seconds here are medians of intervals that reach a tenth to both sides."""
+    numbers = [setting(f"facets {n}", seconds, accuracy, knobs={"facets": n}, within=0.1)
+               for n, seconds, accuracy in ((16, 1.0, 9e-3), (64, 1.1, 8e-3), (256, 1.15, 2e-3), (1024, 1.5, 1e-6))]
+    assert facets(derived(case(quick=numbers)))["fast"] == 256
+    numbers[1] = numbers[1].model_copy(update={"default": True})
+    assert facets(derived(case(quick=numbers)))["fast"] == 64
+
+
 def test_a_renderer_with_nothing_to_set_has_no_preset():
     assert presets.derive(measurement(case(quick=[setting("default", 0.1, 1e-3)]))).adapters == {}
 
