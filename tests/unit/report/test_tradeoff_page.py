@@ -13,7 +13,7 @@ from equilux.tradeoff.presets import derive
 from equilux.tradeoff.record import Cost, FeatureCost, StartUp
 from equilux_report import build_tradeoff
 from equilux_report.tradeplots import marks_of, trade_plot
-from support.made_up_trade import case, about, failed, measurement, setting
+from support.made_up_trade import about, case, failed, measurement, setting
 
 SETTINGS = [
     setting("facets <16>", 0.1, 1e-2), setting("facets 64", 0.3, 1e-4, most_accurate_knobs=True), setting("wasteful", 0.4, 1e-3),
