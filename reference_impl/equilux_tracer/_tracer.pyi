@@ -10,7 +10,7 @@ import numpy.typing as npt
 embree_version: str
 
 def limit_packets(lanes: int) -> None:
-    """Let exact packets have no more lanes than this: 4, 8 or 16, 0 for none. For tests: the picture does not depend on it."""
+    """Let packets in double have no more lanes than this: 4, 8 or 16, 0 for none. For tests: no picture depends on it."""
 
 _Triple = Sequence[float]
 _Doubles = npt.NDArray[np.float64]

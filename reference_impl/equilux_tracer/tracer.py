@@ -26,8 +26,8 @@ Arrays = dict[str, npt.NDArray[Any]]
 
 Precision = Literal["exact", "refined", "float"]
 """exact: double, and double-double wherever rounding could tip a decision. refined: single-precision packets find the surface
-that each eye ray meets first; the crossing, the shading and everything beyond it are exact. float: single-precision packets
-throughout."""
+that each eye ray meets first, where that is faster than the exact search; the crossing, the shading and everything beyond it
+are exact. float: single-precision packets throughout."""
 
 PACKET_CHANNELS = ("radiance", "rounding")
 """What precision "float" and "refined" can tell; float32 and float64."""

@@ -77,11 +77,11 @@ template <class F>
 bool render_in_packets(const World& world, const Samples& samples, const Outputs& out, int threads, const Cancel* cancel,
                        const Interrupted& interrupted) {
   const auto one_by_one = [&] {
-    return packets::Sampler([&, search = Search{}, point = SurfacePoint{}](std::size_t i) mutable {
+    return packets::Sampler([&, search = Search{}, point = SurfacePoint{}](std::size_t i, const Primitive&) mutable {
       render_one<F>(world, samples, out, search, point, i, [&](const SurfacePoint& at, std::size_t k) { shade<F>(world, at, out, k); });
     });
   };
-  return packets::render(world, samples, out, threads, cancel, interrupted, one_by_one);
+  return packets::render(world, samples, out, nullptr, threads, cancel, interrupted, one_by_one);
 }
 
 template <class F>

@@ -232,7 +232,7 @@ void FloatScene::add_plane(int object) {
   planes_.push_back(row);
 }
 
-void FloatScene::attach(RTCGeometry geometry, std::uint32_t mask, const Geometry& row, int mesh) {
+void FloatScene::attach(RTCGeometry geometry, std::uint32_t mask, const Geometry& row) {
   if (embree_ == nullptr) {
     embree_ = rtcNewScene(device());
     rtcSetSceneFlags(embree_, RTC_SCENE_FLAG_ROBUST);
@@ -242,9 +242,7 @@ void FloatScene::attach(RTCGeometry geometry, std::uint32_t mask, const Geometry
   const unsigned id = rtcAttachGeometry(embree_, geometry);
   rtcReleaseGeometry(geometry);
   geometries_.resize(std::max<std::size_t>(geometries_.size(), id + 1));
-  mesh_of_geometry_.resize(geometries_.size(), -1);
   geometries_[id] = row;
-  mesh_of_geometry_[id] = mesh;
 }
 
 namespace {
@@ -302,6 +300,7 @@ void FloatScene::add_mesh(int index) {
 
   Geometry row;
   row.surface = mesh.object;
+  row.mesh = index;
   if (mesh.given->vertex_normals.empty()) {
     row.facing = Facing::stored;
     row.first = static_cast<std::int32_t>(stored_normals_.size() / 4);
@@ -329,7 +328,7 @@ void FloatScene::add_mesh(int index) {
       vertex_normals_.insert(vertex_normals_.end(), {static_cast<float>(n.x * factor), static_cast<float>(n.y * factor), static_cast<float>(n.z * factor), 0});
     }
   }
-  attach(geometry, mask_of(mesh.object), row, index);
+  attach(geometry, mask_of(mesh.object), row);
 }
 
 // --- analytic shapes --------------------------------------------------------------------------------------------------
@@ -411,7 +410,7 @@ void FloatScene::add_quads(const std::vector<int>& objects, std::uint32_t mask) 
     stored_normals_.insert(stored_normals_.end(), {static_cast<float>(n.x), static_cast<float>(n.y), static_cast<float>(n.z), 0});
     surfaces_of_primitives_.push_back(faces[i].object);
   }
-  attach(geometry, mask, row, -1);
+  attach(geometry, mask, row);
 }
 
 void FloatScene::add_spheres(const std::vector<int>& objects, std::uint32_t mask) {
@@ -428,7 +427,7 @@ void FloatScene::add_spheres(const std::vector<int>& objects, std::uint32_t mask
     spheres[4 * i + 3] = static_cast<float>(length(to_double(placement.linear.column[0])) * scale_);
     surfaces_of_primitives_.push_back(objects[i]);
   }
-  attach(geometry, mask, row, -1);
+  attach(geometry, mask, row);
 }
 
 static void bounds_of_shape(const RTCBoundsFunctionArguments* args) {
@@ -479,7 +478,7 @@ void FloatScene::add_shapes(const std::vector<int>& objects, std::uint32_t mask)
   rtcSetGeometryBoundsFunction(geometry, bounds_of_shape, nullptr);
   rtcSetGeometryIntersectFunction(geometry, kernels_->intersect_shapes);
   rtcSetGeometryOccludedFunction(geometry, kernels_->occlude_shapes);
-  attach(geometry, mask, row, -1);
+  attach(geometry, mask, row);
 }
 
 // --- what the kernel is chosen by -------------------------------------------------------------------------------------
@@ -493,14 +492,6 @@ void FloatScene::find_features() {
   features_.lamps = !plain;
   features_.meshes = !world_.meshes.empty();
   features_.planes = !world_.unbounded.empty();
-}
-
-FloatScene::Found FloatScene::found(std::int32_t geometry, std::int32_t primitive) const {
-  if (geometry < 0) return {primitive >= 0 ? planes_[static_cast<std::size_t>(primitive)].surface : -1, -1, 0};
-  const Geometry& row = geometries_[static_cast<std::size_t>(geometry)];
-  const int mesh = mesh_of_geometry_[static_cast<std::size_t>(geometry)];
-  if (row.surface >= 0) return {row.surface, mesh, static_cast<std::uint32_t>(primitive)};
-  return {surfaces_of_primitives_[static_cast<std::size_t>(row.first_surface + primitive)], -1, 0};
 }
 
 }  // namespace equilux::fast

@@ -27,13 +27,6 @@ class FloatScene {
   const FloatFeatures& features() const { return features_; }
   double scale() const { return scale_; }
 
-  // The object, the mesh (index into World::meshes, or −1) and the triangle of what Embree calls (geometry, primitive).
-  struct Found {
-    int object = -1, mesh = -1;
-    std::uint32_t triangle = 0;
-  };
-  Found found(std::int32_t geometry, std::int32_t primitive) const;
-
  private:
   double extent_of_scene() const;
   Vec3d in_camera(const Vec3dd& v) const;
@@ -46,7 +39,7 @@ class FloatScene {
   void add_quads(const std::vector<int>& objects, std::uint32_t mask);
   void add_spheres(const std::vector<int>& objects, std::uint32_t mask);
   void add_shapes(const std::vector<int>& objects, std::uint32_t mask);
-  void attach(RTCGeometry geometry, std::uint32_t mask, const Geometry& row, int mesh);
+  void attach(RTCGeometry geometry, std::uint32_t mask, const Geometry& row);
   void find_features();
   std::uint32_t mask_of(int object) const;
 
@@ -57,7 +50,6 @@ class FloatScene {
   Tables tables_;
   FloatFeatures features_;
   std::vector<Geometry> geometries_;
-  std::vector<int> mesh_of_geometry_;
   std::vector<float> surfaces_, stored_normals_, vertex_normals_, curvatures_;
   std::vector<std::int32_t> surfaces_of_primitives_, corners_;
   std::vector<Plane> planes_;

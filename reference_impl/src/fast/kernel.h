@@ -27,8 +27,8 @@ struct PacketOutputs {
 using RenderBlocks = void (*)(const Tables&, std::size_t begin, std::size_t end, const PacketOutputs&, void* scratch);
 // Sends the same rays and shades nothing. shadowed: from RenderBlocks.
 using TraverseBlocks = void (*)(const Tables&, std::size_t begin, std::size_t end, const std::uint32_t* shadowed);
-// What the eye's rays meet first: object-independent ids, −1 −1 where nothing; of a plane −1 and its number.
-using FindBlocks = void (*)(const Tables&, std::size_t begin, std::size_t end, std::int32_t* geometry, std::int32_t* primitive);
+// What the eye's rays meet first: W for each block, lane by lane. Blocks beyond the film are passed over.
+using FindBlocks = void (*)(const Tables&, std::size_t begin, std::size_t end, Primitive* met);
 
 struct Kernels {
   int width = 0;

@@ -1,6 +1,7 @@
 // W rays through a FloatScene's tables: planes first, the rest by Embree.
 #pragma once
 
+#include "../blocks.h"
 #include "lanes.h"
 #include "tables.h"
 
@@ -169,33 +170,12 @@ template <int W> inline Way<W> way_to(const Lamp& lamp, const Vectors<W>& at) {
   return {times<W>(toward, reciprocal), square * reciprocal, reciprocal};
 }
 
-// The blocks of the film that packets cover: about square, in tiles of 16 × 16 blocks, row by row, so that neighbours follow each other.
 template <int W> struct Blocks {
-  static constexpr int columns = W == 4 ? 2 : 4, rows = W / columns, tile = 16;
+  static constexpr int columns = block_columns(W), rows = block_rows(W);
 };
-
-template <int W> inline int tiles_across(const Tables& scene) {
-  constexpr int size = Blocks<W>::columns * Blocks<W>::tile;
-  return (scene.width + size - 1) / size;
-}
-template <int W> inline int tiles_down(const Tables& scene) {
-  constexpr int size = Blocks<W>::rows * Blocks<W>::tile;
-  return (scene.height + size - 1) / size;
-}
-
-// The top left pixel of a block.
-struct BlockAt {
-  int column, row;
-};
-template <int W> inline BlockAt block_at(const Tables& scene, std::size_t index) {
-  constexpr int tile = Blocks<W>::tile;
-  const int in_tile = static_cast<int>(index % (tile * tile)), number = static_cast<int>(index / (tile * tile));
-  const int across = tiles_across<W>(scene);
-  return {(number % across * tile + in_tile % tile) * Blocks<W>::columns, (number / across * tile + in_tile / tile) * Blocks<W>::rows};
-}
 
 // The eye's rays through the centres of a block's pixels. 2 i + 1 − width is exact, so x has two roundings.
-template <int W> inline Rays<W> rays_of_eye(const Tables& scene, BlockAt block) {
+template <int W> inline Rays<W> rays_of_eye(const Tables& scene, PixelAt block) {
   Ints<W> lane;
   for (int i = 0; i < W; ++i) lane[i] = i;
   const Ints<W> column = block.column + (lane & (Blocks<W>::columns - 1)), row = block.row + lane / Blocks<W>::columns;

@@ -96,7 +96,7 @@ inline void follow_all(const Tables& scene, embree::PacketQueries& queries, Wait
   }
 }
 
-template <int W> inline void write_block(const Tables& scene, BlockAt block, const Colours<W>& value, float scale, float* out) {
+template <int W> inline void write_block(const Tables& scene, PixelAt block, const Colours<W>& value, float scale, float* out) {
   constexpr int columns = Blocks<W>::columns, rows = Blocks<W>::rows;
   alignas(64) float r[W], g[W], b[W];
   store<W>(r, value.r * scale);
@@ -118,7 +118,7 @@ template <class F, int W> void render_blocks(const Tables& scene, std::size_t be
   embree::PacketQueries coherent(true), scattered(false);
   Waiting<W>* const stack = static_cast<Waiting<W>*>(scratch);
   for (std::size_t i = begin; i < end; ++i) {
-    const BlockAt block = block_at<W>(scene, i);
+    const PixelAt block = block_at(W, scene.width, i);
     if (block.column >= scene.width || block.row >= scene.height) continue;
     const Rays<W> rays = rays_of_eye<W>(scene, block);
     std::uint32_t* const sent = out.shadowed == nullptr ? nullptr : out.shadowed + i * static_cast<std::size_t>(scene.lamp_count);
@@ -141,7 +141,7 @@ template <int W, bool Planes>
 inline void traverse_blocks_with(const Tables& scene, std::size_t begin, std::size_t end, const std::uint32_t* shadowed) {
   embree::PacketQueries coherent(true);
   for (std::size_t i = begin; i < end; ++i) {
-    const BlockAt block = block_at<W>(scene, i);
+    const PixelAt block = block_at(W, scene.width, i);
     if (block.column >= scene.width || block.row >= scene.height) continue;
     const Rays<W> rays = rays_of_eye<W>(scene, block);
     Hits<W> hits;
@@ -164,27 +164,28 @@ template <int W> void traverse_blocks(const Tables& scene, std::size_t begin, st
   (scene.plane_count > 0 ? traverse_blocks_with<W, true> : traverse_blocks_with<W, false>)(scene, begin, end, shadowed);
 }
 
-template <int W> void find_blocks(const Tables& scene, std::size_t begin, std::size_t end, std::int32_t* geometry, std::int32_t* primitive) {
+// What one lane met.
+template <int W> inline Primitive primitive_met(const Tables& scene, const Hits<W>& hits, int lane) {
+  const std::int32_t primitive = hits.primitive[lane];
+  if (hits.on_plane[lane] != 0) return {scene.planes[primitive].surface, -1, 0};
+  if (hits.geometry[lane] < 0) return {};
+  const Geometry& geometry = scene.geometries[hits.geometry[lane]];
+  if (geometry.surface >= 0) return {geometry.surface, geometry.mesh, static_cast<std::uint32_t>(primitive)};
+  return {scene.surfaces_of_primitives[geometry.first_surface + primitive], -1, 0};
+}
+
+template <int W> void find_blocks(const Tables& scene, std::size_t begin, std::size_t end, Primitive* met) {
   embree::PacketQueries coherent(true);
   for (std::size_t i = begin; i < end; ++i) {
-    const BlockAt block = block_at<W>(scene, i);
+    const PixelAt block = block_at(W, scene.width, i);
     if (block.column >= scene.width || block.row >= scene.height) continue;
     Hits<W> hits;
     find_nearest<W, true>(scene, coherent, rays_of_eye<W>(scene, block), mask_all, hits);
-    for (int lane = 0; lane < W; ++lane) {
-      const int x = block.column + lane % Blocks<W>::columns, y = block.row + lane / Blocks<W>::columns;
-      if (x >= scene.width || y >= scene.height) continue;
-      const std::size_t pixel = static_cast<std::size_t>(y) * static_cast<std::size_t>(scene.width) + static_cast<std::size_t>(x);
-      geometry[pixel] = hits.geometry[lane];
-      primitive[pixel] = hits.found[lane] != 0 ? hits.primitive[lane] : -1;
-    }
+    for (int lane = 0; lane < W; ++lane) met[(i - begin) * W + static_cast<std::size_t>(lane)] = primitive_met<W>(scene, hits, lane);
   }
 }
 
-template <int W> std::size_t block_count(const Tables& scene) {
-  constexpr std::size_t in_tile = Blocks<W>::tile * Blocks<W>::tile;
-  return static_cast<std::size_t>(tiles_across<W>(scene)) * static_cast<std::size_t>(tiles_down<W>(scene)) * in_tile;
-}
+template <int W> std::size_t count_blocks(const Tables& scene) { return block_count(W, scene.width, scene.height); }
 
 // Depth first, one taken and up to two put: never more than the limit and one.
 template <int W> std::size_t scratch_bytes(int recursion_limit) { return sizeof(Waiting<W>) * (static_cast<std::size_t>(recursion_limit) + 2); }
@@ -208,7 +209,7 @@ template <int W> RenderBlocks choose(const FloatFeatures& needed, bool rounding)
 }
 
 template <int W> const Kernels* kernels() {
-  static constexpr Kernels table{W,           block_count<W>,   choose<W>,           traverse_blocks<W>,
+  static constexpr Kernels table{W,           count_blocks<W>,  choose<W>,           traverse_blocks<W>,
                                  find_blocks<W>, scratch_bytes<W>, intersect_shapes<W>, occlude_shapes<W>};
   return &table;
 }

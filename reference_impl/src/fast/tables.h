@@ -8,6 +8,7 @@
 #include <cstdint>
 
 #include "../embree_shim.h"
+#include "../primitive.h"
 
 namespace equilux::fast {
 
@@ -25,6 +26,7 @@ struct Geometry {
   std::int32_t first = 0;    // of its primitives, in the table that `facing` looks at
   std::int32_t surface = -1; // of all of them; −1: `surfaces_of_primitives[first_surface + primitive]`
   std::int32_t first_surface = 0;
+  std::int32_t mesh = -1;    // index into World::meshes, or −1
 };
 
 // A row of the table `surfaces`: one per object.

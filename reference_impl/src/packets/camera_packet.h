@@ -1,4 +1,5 @@
-// The camera rays of a packet, and the nearest crossing of each: search.cpp for 2 W rays at a time.
+// The camera rays of a packet, and the nearest crossing of each: search.cpp for 2 W rays at a time. Where a packet is told what its rays
+// meet first, nothing is searched for: refined_point of fast/refined.cpp.
 #pragma once
 
 #include <limits>
@@ -33,8 +34,8 @@ template <int W> struct CameraRays {
   }
 
   // Candidates::offer, for the lanes of `found`.
-  void offer(Longs<W> found, std::int64_t from_object, std::int64_t from_mesh, std::int64_t from_triangle, Longs<W> at_face,
-             Doubles<W> at, Doubles<W> at_error) {
+  void offer(Longs<W> found, std::int64_t from_object, std::int64_t from_mesh, Longs<W> from_triangle, Longs<W> at_face, Doubles<W> at,
+             Doubles<W> at_error) {
     const Longs<W> counts = found & (at - at_error <= reach);
     const Doubles<W> nearer = smaller<W>(reach, at + at_error + slack);
     const Longs<W> alone = counts & (lowest > nearer);  // what was there before is farther
@@ -43,10 +44,28 @@ template <int W> struct CameraRays {
     reach = counts ? nearer : reach;
     object = alone ? all_longs<W>(from_object) : object;
     mesh = alone ? all_longs<W>(from_mesh) : mesh;
-    triangle = alone ? all_longs<W>(from_triangle) : triangle;
+    triangle = alone ? from_triangle : triangle;
     face = alone ? at_face : face;
     s = alone ? at : s;
     error = alone ? at_error : error;
+  }
+};
+
+// What the rays of one register are said to meet first, as Primitive has it.
+template <int W> struct Expected {
+  Longs<W> object, mesh, triangle;
+};
+
+// The vertices of W triangles of one mesh, by their places. Lanes that are not asked for get those of the first.
+template <int W> struct Corners {
+  Longs<W> place[3];
+
+  Corners(const MeshObject& mesh, Longs<W> lanes, Longs<W> triangle) {
+    const auto& faces = mesh.given->faces;
+    for (int i = 0; i < W; ++i) {
+      const auto& at = faces[lanes[i] != 0 ? static_cast<std::size_t>(triangle[i]) : 0];
+      for (std::size_t k = 0; k < 3; ++k) place[k][i] = at[k];
+    }
   }
 };
 
@@ -64,10 +83,17 @@ template <int W> struct CameraPacket : Query {
   // half[·].x, y and active are given; finds the nearest crossings.
   void find();
 
+  // The same of one half, where it is said what is met. Lanes whose ray does not cross that become undecided.
+  void cross(int h, const Expected<W>& expected);
+
  private:
   static CameraPacket& of(const RTCIntersectFunctionNArguments* args) { return static_cast<CameraPacket&>(query_of<W>(args)); }
   void meet_object(const RTCIntersectFunctionNArguments* args);
   void meet_triangle(const RTCIntersectFunctionNArguments* args);
+  void begin(CameraRays<W>& rays) const;
+  bool cross_triangle(CameraRays<W>& rays, Longs<W> active, int index, Longs<W> triangle, const Point<W>& a, const Point<W>& b,
+                      const Point<W>& c);
+  void cross_mesh(CameraRays<W>& rays, Longs<W> active, int index, Longs<W> triangle);
   void cross_object(CameraRays<W>& rays, Longs<W> active, int index);
   void cross_round(CameraRays<W>& rays, Longs<W> active, int index);
   void cross_flat(CameraRays<W>& rays, Longs<W> active, int index);
@@ -163,7 +189,7 @@ template <int W> void CameraPacket<W>::cross_round(CameraRays<W>& rays, Longs<W>
                  passed = at.leave < -at.error;
   rays.undecided |= hit & ((~enters & ~behind) | (behind & ~leaves & ~passed));
   const Longs<W> from_inside = behind & leaves;
-  rays.offer(hit & (enters | from_inside), index, -1, 0, from_inside & 1, enters ? at.enter : at.leave, at.error);
+  rays.offer(hit & (enters | from_inside), index, -1, Longs<W>{}, from_inside & 1, enters ? at.enter : at.leave, at.error);
 }
 
 template <int W> void CameraPacket<W>::cross_flat(CameraRays<W>& rays, Longs<W> active, int index) {
@@ -172,7 +198,7 @@ template <int W> void CameraPacket<W>::cross_flat(CameraRays<W>& rays, Longs<W> 
   rays.undecided |= active & at.uncertain;
   const Longs<W> ahead = at.s > at.error, behind = at.s < -at.error, hit = active & at.hit & ~at.uncertain;
   rays.undecided |= hit & ~ahead & ~behind;
-  if (any<W>(hit & ahead)) rays.offer(hit & ahead, index, -1, 0, Longs<W>{}, at.s, at.error);
+  if (any<W>(hit & ahead)) rays.offer(hit & ahead, index, -1, Longs<W>{}, Longs<W>{}, at.s, at.error);
 }
 
 template <int W> void CameraPacket<W>::cross_object(CameraRays<W>& rays, Longs<W> active, int index) {
@@ -195,45 +221,84 @@ template <int W> void CameraPacket<W>::meet_object(const RTCIntersectFunctionNAr
   }
 }
 
-// cross_triangle of shapes/triangle.h.
-template <int W> void CameraPacket<W>::meet_triangle(const RTCIntersectFunctionNArguments* args) {
+// cross_triangle of shapes/triangle.h, each lane's of its own. False: no lane crosses it.
+template <int W>
+bool CameraPacket<W>::cross_triangle(CameraRays<W>& rays, Longs<W> active, int index, Longs<W> triangle, const Point<W>& a,
+                                     const Point<W>& b, const Point<W>& c) {
   constexpr double unit = rounding<double>;
+  const Doubles<W> x = rays.x_rounded, y = rays.y_rounded;
+  const auto across = [&](Doubles<W> v, Doubles<W> ray, Doubles<W> z) -> Doubles<W> { return perspective ? v - ray * z : v - ray; };
+  const Doubles<W> px = across(a.x, x, a.z), py = across(a.y, y, a.z), qx = across(b.x, x, b.z), qy = across(b.y, y, b.z),
+                   rx = across(c.x, x, c.z), ry = across(c.y, y, c.z);
+  const Doubles<W> u = qx * ry - qy * rx, v = rx * py - ry * px, w = px * qy - py * qx;
+  const Doubles<W> area = u + v + w;
+  const Longs<W> missed = ((u < 0.0) | (v < 0.0) | (w < 0.0)) & ((u > 0.0) | (v > 0.0) | (w > 0.0));
+  const Longs<W> hit = active & ~missed & (area != 0.0);
+  if (!any<W>(hit)) return false;
+  const Doubles<W> near = smaller<W>(a.z, smaller<W>(b.z, c.z)), far = larger<W>(a.z, larger<W>(b.z, c.z));
+  const Doubles<W> inside = (u * a.z + v * b.z + w * c.z) / area;
+  const Doubles<W> s = inside < near ? near : (far < inside ? far : inside);
+  const auto size_of = [&](const Point<W>& at) {
+    const Doubles<W> depth = magnitude<W>(at.z), along = perspective ? depth : all<W>(1);
+    return larger<W>(larger<W>(magnitude<W>(at.x) + magnitude<W>(x) * along, magnitude<W>(at.y) + magnitude<W>(y) * along), depth);
+  };
+  const auto widest = [](Doubles<W> i, Doubles<W> j) { return larger<W>(magnitude<W>(i), magnitude<W>(j)); };
+  const Doubles<W> extent = larger<W>(widest(px, py), larger<W>(widest(qx, qy), widest(rx, ry)));
+  const Doubles<W> moved = unit * larger<W>(size_of(a), larger<W>(size_of(b), size_of(c)));
+  const Doubles<W> error = moved + smaller<W>(far - near, moved * 4.0 * (far - near) * extent / magnitude<W>(area));
+  const Longs<W> ahead = s > error;
+  rays.undecided |= hit & ~ahead & ~(s < -error);
+  rays.offer(hit & ahead, world.meshes[static_cast<std::size_t>(index)].object, index, triangle, Longs<W>{}, s, error);
+  return true;
+}
+
+template <int W> void CameraPacket<W>::meet_triangle(const RTCIntersectFunctionNArguments* args) {
   const int index = static_cast<const MeshTag*>(args->geometryUserPtr)->mesh;
   const MeshObject& mesh = world.meshes[static_cast<std::size_t>(index)];
   const std::uint32_t* corner = mesh.given->faces[args->primID].data();
-  const CameraPoint &a = mesh.vertices[corner[0]], &b = mesh.vertices[corner[1]], &c = mesh.vertices[corner[2]];
+  const auto vertex = [&](int k) -> Point<W> {
+    const CameraPoint& at = mesh.vertices[corner[k]];
+    return {all<W>(at.x), all<W>(at.y), all<W>(at.z)};
+  };
+  const Point<W> a = vertex(0), b = vertex(1), c = vertex(2);
   float* const tfar = &RTCRayN_tfar(RTCRayHitN_RayN(args->rayhit, args->N), args->N, 0);
   for (int h = 0; h < 2; ++h) {
     const Longs<W> active = mask_from<W>(args->valid + h * W);
-    if (!any<W>(active)) continue;
-    CameraRays<W>& rays = half[h];
-    const Doubles<W> x = rays.x_rounded, y = rays.y_rounded;
-    const auto across = [&](double v, Doubles<W> ray, double z) -> Doubles<W> { return perspective ? v - ray * z : v - ray; };
-    const Doubles<W> px = across(a.x, x, a.z), py = across(a.y, y, a.z), qx = across(b.x, x, b.z), qy = across(b.y, y, b.z),
-                     rx = across(c.x, x, c.z), ry = across(c.y, y, c.z);
-    const Doubles<W> u = qx * ry - qy * rx, v = rx * py - ry * px, w = px * qy - py * qx;
-    const Doubles<W> area = u + v + w;
-    const Longs<W> missed = ((u < 0.0) | (v < 0.0) | (w < 0.0)) & ((u > 0.0) | (v > 0.0) | (w > 0.0));
-    const Longs<W> hit = active & ~missed & (area != 0.0);
-    if (!any<W>(hit)) continue;
-    const double near = a.z < b.z ? (a.z < c.z ? a.z : c.z) : (b.z < c.z ? b.z : c.z);
-    const double far = a.z > b.z ? (a.z > c.z ? a.z : c.z) : (b.z > c.z ? b.z : c.z);
-    const Doubles<W> inside = (u * a.z + v * b.z + w * c.z) / area;
-    const Doubles<W> s = inside < near ? all<W>(near) : (far < inside ? all<W>(far) : inside);
-    const auto size_of = [&](const CameraPoint& at) {
-      const double along = perspective ? std::fabs(at.z) : 1;
-      return larger<W>(larger<W>(std::fabs(at.x) + magnitude<W>(x) * along, std::fabs(at.y) + magnitude<W>(y) * along),
-                       all<W>(std::fabs(at.z)));
-    };
-    const auto widest = [](Doubles<W> i, Doubles<W> j) { return larger<W>(magnitude<W>(i), magnitude<W>(j)); };
-    const Doubles<W> extent = larger<W>(widest(px, py), larger<W>(widest(qx, qy), widest(rx, ry)));
-    const Doubles<W> moved = unit * larger<W>(size_of(a), larger<W>(size_of(b), size_of(c)));
-    const Doubles<W> error = moved + smaller<W>(all<W>(far - near), moved * 4.0 * (far - near) * extent / magnitude<W>(area));
-    const Longs<W> ahead = s > error;
-    rays.undecided |= hit & ~ahead & ~(s < -error);
-    rays.offer(hit & ahead, mesh.object, index, args->primID, Longs<W>{}, s, error);
-    store<W>(tfar + h * W, smaller<W>(load<W>(tfar + h * W), reach_for_embree(rays)));
+    if (!any<W>(active) || !cross_triangle(half[h], active, index, all_longs<W>(args->primID), a, b, c)) continue;
+    store<W>(tfar + h * W, smaller<W>(load<W>(tfar + h * W), reach_for_embree(half[h])));
   }
+}
+
+template <int W> void CameraPacket<W>::cross_mesh(CameraRays<W>& rays, Longs<W> active, int index, Longs<W> triangle) {
+  const MeshObject& mesh = world.meshes[static_cast<std::size_t>(index)];
+  const Corners<W> corner(mesh, active, triangle);
+  static_assert(sizeof(CameraPoint) == 3 * sizeof(double));
+  const auto vertex = [&](int k) { return gathered_point<W>(&mesh.vertices[0].x, corner.place[k] * 3); };
+  cross_triangle(rays, active, index, triangle, vertex(0), vertex(1), vertex(2));
+}
+
+template <int W> void CameraPacket<W>::cross(int h, const Expected<W>& expected) {
+  CameraRays<W>& rays = half[h];
+  begin(rays);
+  const Longs<W> meets = rays.active & (expected.object >= 0);
+  for (Longs<W> rest = meets; any<W>(rest);) {
+    const int first = __builtin_ctz(packed<W>(rest));
+    const Longs<W> lanes = rest & (expected.object == expected.object[first]);
+    const int mesh = static_cast<int>(expected.mesh[first]);
+    if (mesh >= 0) {
+      cross_mesh(rays, lanes, mesh, expected.triangle);
+    } else {
+      cross_object(rays, lanes, static_cast<int>(expected.object[first]));
+    }
+    rest &= ~lanes;
+  }
+  rays.undecided |= meets & (rays.object < 0);
+}
+
+template <int W> void CameraPacket<W>::begin(CameraRays<W>& rays) const {
+  rays.clear(0x1p-50 * world.eye_size);
+  rays.x_rounded = to_double(rays.x);
+  rays.y_rounded = to_double(rays.y);
 }
 
 template <int W> void CameraPacket<W>::find() {
@@ -242,9 +307,7 @@ template <int W> void CameraPacket<W>::find() {
   alignas(64) int valid[2 * W];
   for (int h = 0; h < 2; ++h) {
     CameraRays<W>& rays = half[h];
-    rays.clear(0x1p-50 * world.eye_size);
-    rays.x_rounded = to_double(rays.x);
-    rays.y_rounded = to_double(rays.y);
+    begin(rays);
     // Embree's own arithmetic must not overflow.
     const double unit = perspective ? 1 : scale;
     rays.undecided |= ~(larger<W>(magnitude<W>(rays.x_rounded), magnitude<W>(rays.y_rounded)) * unit < 0x1p60);

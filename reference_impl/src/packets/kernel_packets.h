@@ -1,6 +1,7 @@
 // The kernel: packets of samples → radiance. Each instruction set's file instantiates it for its W.
 #pragma once
 
+#include "../blocks.h"
 #include "shading_packet.h"
 #include "shadow_packet.h"
 
@@ -41,14 +42,13 @@ template <int W> struct Place {
   }
 
   void tile(const Task& task, std::size_t packet) {
-    const std::size_t across = packets_across(task), width = static_cast<std::size_t>(task.samples.film_width);
-    const std::size_t columns = static_cast<std::size_t>(task.columns), rows = static_cast<std::size_t>(task.rows);
-    const std::size_t left = packet % across * columns, top = packet / across * rows;
+    const int width = task.samples.film_width;
+    const PixelAt block = block_at(2 * W, width, packet);
     for (int lane = 0; lane < 2 * W; ++lane) {
-      const std::size_t i = left + static_cast<std::size_t>(lane) % columns, j = top + static_cast<std::size_t>(lane) / columns;
-      const std::size_t index = j * width + i;
+      const PixelAt at = pixel_of_lane(2 * W, block, lane);
+      const std::size_t index = static_cast<std::size_t>(at.row) * static_cast<std::size_t>(width) + static_cast<std::size_t>(at.column);
       x[lane] = y[lane] = 0;
-      if (i < width && index < task.samples.count) put(task, lane, index);
+      if (at.column < width && index < task.samples.count) put(task, lane, index);
     }
   }
 
@@ -67,10 +67,14 @@ template <class F> class PacketKernel {
  public:
   explicit PacketKernel(const Task& task) : task_(task), world_(task.world), camera_packet_(task.world), shadow_packet_(task.world) {}
 
-  // Writes what is plain; returns the lanes that are not.
-  unsigned render(const Place<W>& place) {
+  // Writes what is plain; returns the lanes that are not. met: what each lane is said to meet first, or null.
+  unsigned render(const Place<W>& place, const Primitive* met) {
     for (int h = 0; h < 2; ++h) look_through(place, h);
-    camera_packet_.find();
+    if (met == nullptr) {
+      camera_packet_.find();
+    } else {
+      for (int h = 0; h < 2; ++h) camera_packet_.cross(h, expected(met + h * W));
+    }
     for (int h = 0; h < 2; ++h) begin(h);
     const std::size_t lights = F::several_lights ? world_.lights.size() : 1;
     for (std::size_t k = 0; k < lights; ++k) {
@@ -104,6 +108,16 @@ template <class F> class PacketKernel {
     rays.x = Exactly<W>::two_sum(2.0 * x, all<W>(-camera.width)) / height * scale;
     rays.y = Exactly<W>::two_sum(all<W>(camera.height), -(2.0 * y)) / height * scale;
     rays.active = unpacked<W>(place.lanes >> (h * W));
+  }
+
+  static Expected<W> expected(const Primitive* met) {
+    Expected<W> result;
+    for (int i = 0; i < W; ++i) {
+      result.object[i] = met[i].object;
+      result.mesh[i] = met[i].mesh;
+      result.triangle[i] = met[i].triangle;
+    }
+    return result;
   }
 
   void begin(int h) {
@@ -183,12 +197,17 @@ template <class F> class PacketKernel {
   Half half_[2];
 };
 
-template <class F> std::size_t run(const Task& task, std::size_t begin, std::size_t end, std::size_t* left) {
+template <class F> std::size_t run(const Task& task, std::size_t begin, std::size_t end, const Primitive* met, Left* left) {
   PacketKernel<F> kernel(task);
   std::size_t count = 0;
   for (std::size_t packet = begin; packet < end; ++packet) {
     const Place<F::width> place(task, packet);
-    for (unsigned lanes = kernel.render(place); lanes != 0; lanes &= lanes - 1) left[count++] = place.sample[__builtin_ctz(lanes)];
+    if (place.lanes == 0) continue;  // beyond the film
+    const Primitive* const here = met == nullptr ? nullptr : met + (packet - begin) * 2 * F::width;
+    for (unsigned lanes = kernel.render(place, here); lanes != 0; lanes &= lanes - 1) {
+      const int lane = __builtin_ctz(lanes);
+      left[count++] = {place.sample[lane], here == nullptr ? Primitive{} : here[lane]};
+    }
   }
   return count;
 }

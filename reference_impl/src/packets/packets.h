@@ -7,14 +7,14 @@
 #pragma once
 
 #include "../kernel.h"
+#include "../primitive.h"
 
 namespace equilux::packets {
 
 struct Task {
   const World& world;
   const Samples& samples;
-  double* radiance;       // 3 per sample
-  int columns = 1, rows = 1;  // of a packet on the film
+  double* radiance;  // 3 per sample
 };
 
 // What a scene needs of a kernel. Anything that is false leaves no code behind.
@@ -22,22 +22,20 @@ struct Needs {
   bool shadows = false, highlights = false, several_lights = false;
 };
 
-// Computes the packets [begin, end) of a task. left: gains the samples that are to be computed by themselves; room for all. Returns how
-// many there are.
-using Kernel = std::size_t (*)(const Task& task, std::size_t begin, std::size_t end, std::size_t* left);
+// A sample that is to be computed by itself, and what is known of it.
+struct Left {
+  std::size_t sample;
+  Primitive met;
+};
 
-// One file for each instruction set, by the doubles of a register; a packet has twice as many samples. Null: not compiled in.
+// Computes the packets [begin, end) of a task: a whole film in blocks (blocks.h), a list of positions in runs. met: what each lane's ray
+// is said to meet first, or null. left: gains the samples that are to be computed by themselves; room for all. Returns how many there are.
+using Kernel = std::size_t (*)(const Task& task, std::size_t begin, std::size_t end, const Primitive* met, Left* left);
+
+// One file for each instruction set, by the doubles of a register; a packet has twice as many samples.
 Kernel kernel_by_2(const Needs& needs);
 Kernel kernel_by_4(const Needs& needs);
 Kernel kernel_by_8(const Needs& needs);
-
-// The widest that this machine can run. lanes: its packet's samples.
-Kernel widest_kernel(const Needs& needs, int& lanes);
-
-// How many packets the samples of a task make. A whole film is cut into tiles, a list of positions into runs.
-static inline std::size_t packets_across(const Task& task) {
-  return static_cast<std::size_t>((task.samples.film_width + task.columns - 1) / task.columns);
-}
 
 // --- Embree's callbacks -----------------------------------------------------------------------------------------------
 

@@ -72,15 +72,10 @@ template <int W> class SurfaceFinder {
 
   void on_mesh(int index, Longs<W> lanes, Surfaces<W>& found) {
     const MeshObject& mesh = world_.meshes[static_cast<std::size_t>(index)];
-    const auto& faces = mesh.given->faces;
-    Longs<W> corner[3];
-    for (int i = 0; i < W; ++i) {
-      const auto& at = faces[lanes[i] != 0 ? static_cast<std::size_t>(rays_.triangle[i]) : 0];
-      for (std::size_t k = 0; k < 3; ++k) corner[k][i] = at[k];
-    }
+    const Corners<W> corner(mesh, lanes, rays_.triangle);
     const Vec3d* vertices = mesh.given->vertices.data();
-    const ExactPoint<W> a = vertex(mesh, vertices, corner[0]);
-    const ExactPoint<W> u = vertex(mesh, vertices, corner[1]) - a, v = vertex(mesh, vertices, corner[2]) - a;
+    const ExactPoint<W> a = vertex(mesh, vertices, corner.place[0]);
+    const ExactPoint<W> u = vertex(mesh, vertices, corner.place[1]) - a, v = vertex(mesh, vertices, corner.place[2]) - a;
     const ExactPoint<W> winding = cross(u, v);
     const ExactPoint<W> to_plane = camera_.perspective() ? a : a - origin_;
     const Exactly<W> s = dot(winding, to_plane) / dot(winding, direction_);
@@ -102,7 +97,7 @@ template <int W> class SurfaceFinder {
       const Exactly<W> beta = dot(cross(from_a, v), winding) * scale, gamma = dot(cross(u, from_a), winding) * scale;
       const double* normals = &mesh.given->vertex_normals[0].x;
       const auto normal_of = [&](int k) -> ExactPoint<W> {
-        const Point<W> n = gathered_point<W>(normals, corner[k] * 3);
+        const Point<W> n = gathered_point<W>(normals, corner.place[k] * 3);
         return {Exactly<W>(n.x), Exactly<W>(n.y), Exactly<W>(n.z)};
       };
       const ExactPoint<W> sum = normal_of(0) * (one<W>() - beta - gamma) + normal_of(1) * beta + normal_of(2) * gamma;
