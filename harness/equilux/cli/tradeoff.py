@@ -23,8 +23,8 @@ DEFAULT_SCENES = (
     "lights/clay-ball", "reflection-equation/soft-shadow", "raytraced/mirror-sphere", "opengl/opengl-half-vector",
 )  # fmt: skip
 """Of the corpus: one of each model."""
-DEFAULT_CASES_PER_RENDERER = 2
-"""A renderer is measured on the first so many of them that it can do: all four would take twice as long."""
+DEFAULT_CASES_PER_RENDERER = 3
+"""A renderer is measured on the first so many of them that it can do; only the reference can do all."""
 
 
 def tradeoff(
@@ -54,7 +54,7 @@ def tradeoff(
     Parameters
     ----------
     scenes
-        Scene files or folders of them; none: one of each model from the corpus, each renderer on the first two that it can do.
+        Scene files or folders of them; none: one of each model from the corpus, each renderer on the first three that it can do.
     adapter
         Only these adapters, separated by commas; none: all that are installed.
     error

@@ -45,13 +45,24 @@ def derive(measured: Tradeoff) -> Presets:
 
 
 def _settings(measured: Tradeoff, name: str) -> BySetting:
+    """Those that were measured on every case that the renderer can do, and did something there."""
     cases = [case for case in measured.cases if name in case.renderers and case.renderers[name].status == "measured"]
     found: BySetting = {}
     for case in cases:
         for setting in case.renderers[name].settings:
             if setting.times is not None:
                 found.setdefault(json.dumps(setting.knobs, sort_keys=True), {})[case.case] = setting
-    return {key: by_case for key, by_case in found.items() if len(by_case) == len(cases)}
+    everywhere = {key: by_case for key, by_case in found.items() if len(by_case) == len(cases)}
+    default = next((by_case for by_case in everywhere.values() if _is_default(by_case)), None)
+    return {key: by_case for key, by_case in everywhere.items() if by_case is default or _says_something(by_case, default)}
+
+
+def _says_something(by_case: Mapping[str, Measured], default: Mapping[str, Measured] | None) -> bool:
+    """Whether a setting may be chosen: one that did nothing to any measured picture may spoil others, as a recursion depth of 0
+    does where no mirror was measured. The most accurate knobs spoil none."""
+    if default is None or next(iter(by_case.values())).most_accurate_knobs:
+        return True
+    return any((own.accuracy, own.claimed) != (default[case].accuracy, default[case].claimed) for case, own in by_case.items())
 
 
 def _presets(settings: BySetting, clock: Clock) -> dict[str, Preset]:

@@ -62,6 +62,17 @@ def test_of_settings_that_take_equally_long_the_default_one_is_taken_and_else_th
     assert facets(derived(case(quick=numbers)))["fast"] == 64
 
 
+def test_a_knob_that_did_nothing_on_the_measured_cases_is_not_turned():
+    """A recursion depth where no mirror was measured, however fast it came out."""
+    numbers = [setting("default", 1.0, 1e-3, knobs={"facets": 64}, default=True),
+               setting("depth 0", 0.5, 1e-3, knobs={"facets": 0}),
+               setting("facets 16", 0.8, 9e-3, knobs={"facets": 16}),
+               setting("facets 1024", 2.0, 1e-3, knobs={"facets": 1024}, most_accurate_knobs=True)]  # fmt: skip
+    found = derived(case(quick=numbers))
+    assert facets(found) == {"fast": 16, "balanced": 64, "exact": 64}
+    assert [rung.knobs["facets"] for rung in found.ladder] == [16, 64, 1024]
+
+
 def test_a_renderer_with_nothing_to_set_has_no_preset():
     assert presets.derive(measurement(case(quick=[setting("default", 0.1, 1e-3)]))).adapters == {}
 
