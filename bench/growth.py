@@ -21,6 +21,8 @@ PLOTS = Path("build/bench")
 TRIANGLES = (1_000, 10_000, 100_000, 1_000_000, 10_000_000)
 PIXELS = (10_000, 100_000, 500_000, 2_000_000, 8_000_000)
 LARGE_PAIR = 8192 * 4096
+POINT_LIMIT_S = 300.0
+"""A size that takes longer ends its series."""
 LIGHTS = (1, 10, 100, 300, 1_000)
 SCENES = (1, 10, 100, 300, 1_000)
 
@@ -34,6 +36,8 @@ class Series:
     seconds: dict[str, list[float]] = field(default_factory=dict)
     peak_bytes: list[int] = field(default_factory=list)
     held_bytes: list[int] = field(default_factory=list)
+    ended: str = ""
+    """Why larger sizes were not measured."""
 
     def add(self, size: int, point: dict[str, Any]) -> None:
         self.sizes.append(size)
@@ -62,7 +66,7 @@ def measure() -> Measured:
     for name, one in series.items():
         laws = one.laws()
         numbers[name] = {
-            "sizes": one.sizes, "seconds": one.seconds, "peak_bytes": one.peak_bytes, "held_bytes": one.held_bytes,
+            "sizes": one.sizes, "seconds": one.seconds, "peak_bytes": one.peak_bytes, "held_bytes": one.held_bytes, "ended": one.ended,
             "exponents": {what: [law.exponent, law.low, law.high] for what, law in laws.items()},
         }  # fmt: skip
         lines += [
@@ -70,6 +74,7 @@ def measure() -> Measured:
             f"[{law.low:.2f}, {law.high:.2f}]{_memory(one)}"
             for what, law in laws.items()
         ]
+        lines += [f"{name}: {one.ended}"] if one.ended else []
         curves = {what: (one.sizes, one.seconds[what], law) for what, law in laws.items()}
         plot = PLOTS / f"growth-{name.replace(', ', '-').replace(' ', '-')}.svg"
         plot.write_text(growth_plot(f"Time over {name}", one.of, "seconds", curves), encoding="utf-8")
@@ -98,15 +103,21 @@ def _memory(series: Series) -> str:
 
 
 def _grown(of: str, sizes: Sequence[int], point: Callable[[int], dict[str, Any]]) -> Series:
+    """Size by size, until one cannot be measured."""
     series = Series(of)
     for size in sizes:
-        series.add(size, point(size))
+        try:
+            series.add(size, point(size))
+        except (RuntimeError, TimeoutError) as problem:
+            series.ended = f"{size:.3g} could not be measured: {problem}"
+            break
     return series
 
 
 def _point(name: str) -> Callable[[int], dict[str, Any]]:
     def measured(size: int) -> dict[str, Any]:
-        cost = run([sys.executable, "-m", "bench.growth_point", name, str(size)], {"PYTHONPATH": os.pathsep.join(sys.path)})
+        cost = run([sys.executable, "-m", "bench.growth_point", name, str(size)], {"PYTHONPATH": os.pathsep.join(sys.path)},
+                   limit_s=POINT_LIMIT_S)  # fmt: skip
         if cost.status != 0:
             raise RuntimeError(f"{name}, {size}: {cost.output[-1000:]}")
         point: dict[str, Any] = json.loads(cost.output.splitlines()[-1])
@@ -118,7 +129,7 @@ def _point(name: str) -> Callable[[int], dict[str, Any]]:
 def _run_harness(scenes: Path, scratch: Path, *options: str) -> Cost:
     """`equilux run` by the reference and the oracle, without a report and with a store of its own."""
     command = [sys.executable, "-m", "equilux", "run", str(scenes), "--out", str(scratch / "run"), "--no-html", *options]
-    cost = run(command, {"EQUILUX_CACHE": str(scratch / "cache")})
+    cost = run(command, {"EQUILUX_CACHE": str(scratch / "cache")}, limit_s=POINT_LIMIT_S)
     if cost.status != 0:
         raise RuntimeError(f"equilux run: {cost.output[-1000:]}")
     return cost

@@ -12,6 +12,8 @@ from pathlib import Path
 
 import psutil
 
+from equilux.process_tree import Tree
+
 LOOK_S = 0.1
 
 
@@ -55,8 +57,11 @@ class _Looks:
         self._over.set()
 
 
-def run(command: Sequence[str], environment: Mapping[str, str] | None = None, *, cores: int = 1) -> Cost:
-    """Run a command to its end. Raises OSError where it cannot be started."""
+def run(
+    command: Sequence[str], environment: Mapping[str, str] | None = None, *, cores: int = 1, limit_s: float | None = None
+) -> Cost:
+    """Run a command to its end. Raises OSError where it cannot be started, TimeoutError where it took longer than limit_s: then
+    it is ended, and all that it started."""
     before = os.times()
     started = time.perf_counter()
     process = subprocess.Popen(
@@ -65,7 +70,13 @@ def run(command: Sequence[str], environment: Mapping[str, str] | None = None, *,
     looks = _Looks(process.pid, cores)
     watcher = threading.Thread(target=looks.look_until_over, daemon=True)
     watcher.start()
-    output, _ = process.communicate()  # waits for it: its CPU time and that of all it waited for is ours from here on
+    try:
+        output, _ = process.communicate(timeout=limit_s)  # its CPU time and that of all it waited for is ours from here on
+    except subprocess.TimeoutExpired:
+        looks.end()
+        Tree(process.pid).kill()
+        process.communicate()
+        raise TimeoutError(f"longer than {limit_s:g} s") from None
     wall = time.perf_counter() - started
     looks.end()
     watcher.join()
