@@ -66,8 +66,8 @@ def measure() -> Measured:
     for name, one in series.items():
         laws = one.laws()
         numbers[name] = {
-            "sizes": one.sizes, "seconds": one.seconds, "peak_bytes": one.peak_bytes, "held_bytes": one.held_bytes, "ended": one.ended,
-            "exponents": {what: [law.exponent, law.low, law.high] for what, law in laws.items()},
+            "sizes": one.sizes, "seconds": one.seconds, "peak_bytes": one.peak_bytes, "held_bytes": one.held_bytes,
+            "ended": one.ended, "exponents": {what: [law.exponent, law.low, law.high] for what, law in laws.items()},
         }  # fmt: skip
         lines += [
             f"{name}: {what}: {one.seconds[what][-1]:.3g} s at {one.sizes[-1]:.3g}, exponent {law.exponent:.2f} "
