@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -56,12 +55,6 @@ def run(case: Case, folder: Path, **knobs: object) -> Run:
     raw = ADAPTER.render(program, written, work, Limits(), settings)
     reading = ADAPTER.read(raw, program, settings)
     return Run(case, program, written, raw, np.asarray(reading.image), reading.budget)
-
-
-def run_all(cases: Iterable[Case], folder: Path, **knobs: object) -> Iterator[Run]:
-    """One after the other, in order."""
-    for number, case in enumerate(cases):
-        yield run(case, folder / str(number), **knobs)
 
 
 def against(truth: np.ndarray, result: Run, tracer: Tracer) -> PairResult:
