@@ -199,8 +199,9 @@ def _turn(turn: Mapping[str, Any], curve: Mapping[str, Any], axis: Mapping[str, 
 
 def _words(turn: Mapping[str, Any], unit: str) -> tuple[str, str, str]:
     """State (breaks, gives-up, holds), the mark in the matrix, and a sentence."""
-    given_up = [value for value in (turn["blind"], turn["refused"]) if value is not None]
     how = []
+    if turn["coarse"] is not None:
+        how.append(f"off by more than 0.1 %, as it states, from {_value(turn['coarse'], unit)} on")
     if turn["blind"] is not None:
         how.append(f"states no more than that it knows nothing from {_value(turn['blind'], unit)} on")
     if turn["refused"] is not None:
@@ -210,10 +211,9 @@ def _words(turn: Mapping[str, Any], unit: str) -> tuple[str, str, str]:
         if turn["bumps"]:
             sentence += f"; good again at {', '.join(_value(value, unit) for value in turn['bumps'])}"
         return "breaks", _value(turn["breakdown"], unit), "; ".join([sentence, *how]) + "."
-    if given_up:
+    if turn["gives_up"] is not None:
         text = "; ".join(how)
-        first = turn["blind"] if turn["refused"] is None else turn["refused"]
-        return "gives-up", _value(first, unit), text[:1].upper() + text[1:] + "."
+        return "gives-up", _value(turn["gives_up"], unit), text[:1].upper() + text[1:] + "."
     return "holds", "", f"Holds to {_value(turn['reached'], unit)}."
 
 

@@ -31,6 +31,8 @@ pytestmark = [
 Truth = Callable[[dict[str, Any], np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray]]
 """(scene, eye, unit directions (h, w, 3)) → which pixels are checked (h, w), what they should show (h, w, 3)."""
 
+Findings = dict[tuple[str, str, str], tuple[float | None, float | None]]
+
 WRONG = 1e-3
 
 
@@ -146,8 +148,8 @@ def by_hand(name: str, truth: Truth, adapter: str, runner: Any, direction: str, 
 
 
 @pytest.fixture(scope="module")
-def found(tmp_path_factory: pytest.TempPathFactory) -> dict[tuple[str, str, str], float | None]:
-    """What the command finds: (axis, adapter, direction) → breakdown."""
+def found(tmp_path_factory: pytest.TempPathFactory) -> Findings:
+    """What the command finds: (axis, adapter, direction) → breakdown, and where the adapter gives up with a word before it."""
     folder = tmp_path_factory.mktemp("command")
     axes = sorted({axis for axis, _ in HANDS})
     options = ("--adapters", "povray,vtk,opengl,mitsuba", "--no-diagnose", "--no-html", "--out", "run")
@@ -157,7 +159,7 @@ def found(tmp_path_factory: pytest.TempPathFactory) -> dict[tuple[str, str, str]
     assert done.returncode == 0, done.stderr
     content = json.loads((folder / "run" / "extremes.json").read_text())
     return {
-        (axis["name"], curve["adapter"], turn["direction"]): turn["breakdown"]
+        (axis["name"], curve["adapter"], turn["direction"]): (turn["breakdown"], turn["gives_up"])
         for axis in content["axes"]
         for curve in axis["curves"]
         for turn in curve["turns"]
@@ -166,19 +168,23 @@ def found(tmp_path_factory: pytest.TempPathFactory) -> dict[tuple[str, str, str]
 
 @pytest.mark.parametrize(("name", "adapter"), HANDS)
 def test_the_command_finds_what_is_found_by_hand(
-    name: str, adapter: str, found: dict[tuple[str, str, str], float | None], tmp_path: Path
+    name: str, adapter: str, found: Findings, tmp_path: Path
 ):
     truth, runner = HANDS[name, adapter]
     for direction in ("down", "up"):
         if getattr(BY_NAME[name], direction):
             own = by_hand(name, truth, adapter, runner, direction, tmp_path / direction)
-            assert found[name, adapter, direction] == own, (
-                f"{name} {direction}: command {found[name, adapter, direction]}, by hand {own}"
-            )
+            broken, given_up = found[name, adapter, direction]
+            if broken is not None:
+                allowed = {broken, given_up}
+            else:  # who gives up with a word may be right for a while
+                values = [BY_NAME[name].benign, *getattr(BY_NAME[name], direction)]
+                allowed = {None, *(values[values.index(given_up) :] if given_up is not None else ())}
+            assert own in allowed, f"{name} {direction}: command {broken}, gives up at {given_up}; by hand {own}"
 
 
-def test_known_breakdowns_are_among_them(found: dict[tuple[str, str, str], float | None]):
+def test_known_breakdowns_are_among_them(found: Findings):
     """renderer_facts: VTK clamps exponents to 128; its depth buffer has 24 bits; POV-Ray misses blockers that are too near."""
-    assert found["exponent", "vtk", "up"] == 1000
-    assert found["gap-depth", "vtk", "down"] is not None
-    assert found["gap-pane", "povray", "down"] is not None
+    assert found["exponent", "vtk", "up"][0] == 1000
+    assert found["gap-depth", "vtk", "down"][0] is not None
+    assert found["gap-pane", "povray", "down"][0] is not None

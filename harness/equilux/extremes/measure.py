@@ -27,7 +27,12 @@ FAILED = ("failed", "crashed", "timeout")
 DELIVERED = ("ok", "invalid")
 KINDS = ("nan", "+inf", "-inf", "negative")
 BLIND = 1.0
-"""Stated uncertainty over the largest radiance; a picture half of whose pixels reach it is called blind."""
+"""Stated uncertainty over the largest radiance; a picture half of whose bright pixels reach it is called blind."""
+BRIGHT = 0.5
+"""Of the largest radiance: what the picture is about."""
+COARSE, COARSER = 1e-3, 10.0
+"""A picture whose error is more than this share of the largest radiance, and so many times that at the benign value, is coarse,
+however much uncertainty is stated."""
 
 
 def measured(push: Push, results: Results, root: Path) -> list[AxisRecord]:
@@ -61,6 +66,8 @@ def turns(axis: Axis, points: Sequence[Point]) -> list[Turn]:
     out = []
     for direction, order in breakdown.outward(len(points), axis.values.index(axis.benign)).items():
         found = breakdown.breakdown(outcomes, order)
+        coarse = _first_coarse(points, order, found.first)
+        ends = [index for index in order if index in (coarse, found.blind, found.refused)]
 
         def value(index: int | None) -> float | None:
             return None if index is None else points[index].value
@@ -72,12 +79,21 @@ def turns(axis: Axis, points: Sequence[Point]) -> list[Turn]:
                 breakdown=value(found.first),
                 last_good=value(found.last_good),
                 bumps=[points[index].value for index in found.bumps],
+                gives_up=value(ends[0] if ends else None),
+                coarse=value(coarse),
                 blind=value(found.blind),
                 refused=value(found.refused),
                 what="" if found.first is None else _what(points[found.first]),
             )
         )
     return out
+
+
+def _first_coarse(points: Sequence[Point], order: Sequence[int], broken: int | None) -> int | None:
+    """The first picture before the breakdown that is coarse."""
+    limit = max(COARSE, COARSER * (points[order[0]].error or 0.0))
+    before = order if broken is None else order[: order.index(broken)]
+    return next((index for index in before if (points[index].error or 0.0) > limit), None)
 
 
 def _what(point: Point) -> str:
@@ -132,7 +148,8 @@ def _compared(case: Case, value: float, render: RenderRecord, pair: PairRecord, 
     bound = _bound(folder / pair.a, a)
     wrong = (classes == DIVERGE) | (classes == INVALID)
     found = symptom.symptom(a, b, wrong, np.asarray(case.scene.background, np.float64)) if pair.verdict == "diverge" else None
-    blind = float((bound.max(axis=2) >= BLIND * largest).mean()) > 0.5
+    bright = b.max(axis=2) >= BRIGHT * largest
+    blind = bool(bright.any()) and float((bound.max(axis=2)[bright] >= BLIND * largest).mean()) > 0.5
     outcome: Outcome = (
         "outside" if pair.verdict == "diverge" else "unjudged" if pair.verdict != "agree" else "blind" if blind else "inside"
     )

@@ -21,8 +21,8 @@ One quantity at a time is pushed decade by decade from a value at which every re
 
 - **Bold**: the breakdown, the first value whose picture departs from the truth by more than both sides' stated uncertainty, or
   is missing.
-- *Italic*: the adapter gives up with a word, from there on: it refuses the scene, or states an uncertainty as large as the
-  picture.
+- *Italic*: the adapter gives up with a word, from there on: it refuses the scene, it states an uncertainty as large as the
+  picture, or the picture is off by more than a thousandth, within an uncertainty that says so.
 - –: not expressible.
 
 The truth is the oracle; for triangle meshes, which have no closed form, it is the reference.
@@ -73,10 +73,9 @@ def _cell(axis: AxisRecord, curve: Curve | None) -> str:
 
 def _mark(turn: Turn) -> str:
     arrow = "↓" if turn.direction == "down" else "↑"
-    given_up = [value for value in (turn.blind, turn.refused) if value is not None]
     if turn.breakdown is not None:
         return f"{arrow} **{with_unit(turn.breakdown, '')}**"
-    return f"{arrow} *{with_unit(given_up[0], '')}*" if given_up else f"{arrow} holds"
+    return f"{arrow} *{with_unit(turn.gives_up, '')}*" if turn.gives_up is not None else f"{arrow} holds"
 
 
 def _of_renderer(record: Extremes, name: str) -> str:
@@ -84,9 +83,7 @@ def _of_renderer(record: Extremes, name: str) -> str:
     lines = []
     for axis in record.axes:
         for curve in axis.curves:
-            told = [
-                turn for turn in curve.turns if turn.breakdown is not None or turn.blind is not None or turn.refused is not None
-            ]
+            told = [turn for turn in curve.turns if turn.breakdown is not None or turn.gives_up is not None]
             if curve.adapter == name and told:
                 lines.append(f"- **{axis.title}** ({curve.model}): " + "; ".join(turn_words(axis, turn) for turn in told) + ".")
     body = "\n".join(lines) if lines else f"Holds on every axis: {_reach(record, name)}."

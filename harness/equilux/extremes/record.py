@@ -60,6 +60,12 @@ class Turn(Record):
     bumps: list[float] = Field(
         default=[], description="values behind the breakdown that are inside again before others that are not"
     )
+    gives_up: float | None = Field(default=None, description="the first value of `coarse`, `blind` and `refused`, outward")
+    coarse: float | None = Field(
+        default=None,
+        description="the first value whose picture is off by more than 1e-3 of the largest radiance, and by ten times as much as "
+        "at the benign value, although within what is stated",
+    )
     blind: float | None = Field(default=None, description="the first value at which it states no more than that it knows nothing")
     refused: float | None = Field(default=None, description="the first value that the adapter refuses")
     what: str = Field(default="", description="what breaks, in words")

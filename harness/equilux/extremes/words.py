@@ -19,7 +19,10 @@ def line_of(axis: AxisRecord, curve: Curve) -> str:
 
 def turn_words(axis: AxisRecord, turn: Turn) -> str:
     """One direction: 'holds to 1e-18 m', or 'breaks at 1e-06 m (last good 1e-05): vanishes …'."""
-    notes = [f"states nothing from {with_unit(turn.blind, axis.unit)} on"] if turn.blind is not None else []
+    notes = []
+    if turn.coarse is not None:
+        notes.append(f"off by more than 0.1 %, as it states, from {with_unit(turn.coarse, axis.unit)} on")
+    notes += [f"states nothing from {with_unit(turn.blind, axis.unit)} on"] if turn.blind is not None else []
     notes += [f"refused from {with_unit(turn.refused, axis.unit)} on"] if turn.refused is not None else []
     if turn.breakdown is None:
         end = turn.reached if not notes else turn.last_good
