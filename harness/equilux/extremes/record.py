@@ -56,7 +56,7 @@ class Turn(Record):
     direction: Literal["down", "up"]
     reached: float = Field(description="the outermost value that was pushed to")
     breakdown: float | None = Field(description="the first value outside uncertainty, or without a picture; null: none")
-    last_good: float | None = Field(description="the last value before it that is inside")
+    last_good: float | None = Field(description="the last value before it, and before `coarse`, that is inside")
     bumps: list[float] = Field(
         default=[], description="values behind the breakdown that are inside again before others that are not"
     )
