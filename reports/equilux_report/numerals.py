@@ -7,9 +7,13 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 
+import numpy as np
+
 NARROW = "\u202f"
 """Narrow no-break space: between groups of digits, and between a number and its unit."""
 NONE = "–"
+LONG = 1e6
+"""From here on numbers are written with an exponent."""
 
 
 def count(value: int) -> str:
@@ -37,8 +41,10 @@ def magnitude(value: float | None, digits: int = 3) -> str:
 
 
 def shortest(value: float) -> str:
-    """All the digits that a number was given with, and no more: 1000, 0.1, 1e-9."""
-    return str(int(value)) if float(value).is_integer() and abs(value) < 1e9 else repr(value)
+    """All the digits that a number was given with, and no more: 1000, 0.1, 1e-9, 1e10."""
+    if abs(value) >= LONG:
+        return np.format_float_scientific(value, trim="-", exp_digits=1).replace("e+", "e")
+    return str(int(value)) if float(value).is_integer() else repr(value)
 
 
 def percent(part: int, whole: int) -> str:

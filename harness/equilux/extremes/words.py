@@ -2,8 +2,13 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from equilux.extremes.axis import shown
 from equilux.extremes.record import AxisRecord, Curve, Turn
+
+LONG = 1e6
+"""From here on numbers are written with an exponent."""
 
 
 def line_of(axis: AxisRecord, curve: Curve) -> str:
@@ -28,7 +33,7 @@ def turn_words(axis: AxisRecord, turn: Turn) -> str:
         end = turn.reached if not notes else turn.last_good
         text = f"holds to {with_unit(end, axis.unit)}" if end is not None else "never measured"
         return ", ".join([text, *notes])
-    good = f" (last good {shown(turn.last_good)})" if turn.last_good is not None else " (never good)"
+    good = f" (last good {brief(turn.last_good)})" if turn.last_good is not None else " (never good)"
     text = f"breaks at {with_unit(turn.breakdown, axis.unit)}{good}"
     text = ", ".join([text, *notes])
     text += f": {turn.what}" if turn.what else ""
@@ -36,14 +41,21 @@ def turn_words(axis: AxisRecord, turn: Turn) -> str:
     if named:
         text += f" [{', '.join(named)}{', as declared' if turn.finding == 'model-difference' else ''}]"
     if turn.bumps:
-        text += f"; good again at {', '.join(shown(value) for value in turn.bumps)}"
+        text += f"; good again at {', '.join(brief(value) for value in turn.bumps)}"
     return text
+
+
+def brief(value: float) -> str:
+    """As `shown`, with an exponent where there would be many zeros: 1000, 1e10."""
+    if abs(value) < LONG:
+        return shown(value)
+    return np.format_float_scientific(value, trim="-", exp_digits=1).replace("e+", "e")
 
 
 def with_unit(value: float | None, unit: str) -> str:
     if value is None:
         return "–"
-    return shown(value) + ("" if not unit else unit if unit == "°" else f" {unit}")
+    return brief(value) + ("" if not unit else unit if unit == "°" else f" {unit}")
 
 
 def _parameter(value: object) -> str:
