@@ -29,7 +29,7 @@ def measure() -> Measured:
     with tempfile.TemporaryDirectory(prefix="equilux-bench-") as scratch:
         tree = Path(scratch) / "run"
         command = [sys.executable, "-m", "equilux", "run", "--out", str(tree)]
-        environment = {"EQUILUX_CACHE": str(Path(scratch) / "cache")}
+        environment = {"EQUILUX_CACHE": str(Path(scratch) / "cache"), "PYTHONDONTWRITEBYTECODE": ""}  # as a user's Python
         cold = _checked(run(command, environment, cores=cores))
         chain, whose = longest_chain(tree)
         warm = _checked(run(command, environment, cores=cores))
