@@ -67,8 +67,7 @@ def unusable_rules() -> tuple[str, ...]:
 
 
 def diagnosed(case: Case, subject: Subject, method: Method, store: Store | None, tree: Tree) -> Diagnosis:
-    """The diagnosis of one render, from the store or made now. A diagnosis that ran out of time is not remembered: the next run
-    may have more of it."""
+    """The diagnosis of one render, from the store or made now. One that may find more in the next run is not remembered."""
     rules = known_rules()
     dialect = dialect_on(case, method.dialects.get(subject.side.adapter, ()), rules)
     its_key = key(
@@ -89,11 +88,16 @@ def diagnosed(case: Case, subject: Subject, method: Method, store: Store | None,
             if earlier is not None:
                 return Diagnosis.model_validate(earlier)
         found = _diagnose(case, subject, method, dialect, rules)
-        if store is not None and found.seconds < method.time_limit_s:
+        if store is not None and not may_find_more(found, method.time_limit_s):
             store.put("diagnoses", its_key, lambda entry: save(found, entry))
         return found
     finally:
         shutil.rmtree(folder, ignore_errors=True)
+
+
+def may_find_more(found: Diagnosis, time_limit_s: float) -> bool:
+    """Whether it ran out of time with something unexplained: another day the machine may have more of it."""
+    return found.seconds >= time_limit_s and any(cause.id == "unexplained" for cause in found.causes)
 
 
 def _diagnose(case: Case, subject: Subject, method: Method, dialect: Sequence[Any], rules: Mapping[str, Rule]) -> Diagnosis:

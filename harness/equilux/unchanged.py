@@ -16,9 +16,8 @@ from importlib.metadata import entry_points
 from pathlib import Path
 from typing import Any
 
-from equilux import machine
+from equilux import diagnosing, machine
 from equilux.adapter import Case, Knobs
-from equilux.diagnosing import DIAGNOSIS_FILE
 from equilux.identity import adapter_identity
 from equilux.registry import Entry
 from equilux.results import Results, summarise
@@ -89,14 +88,13 @@ def earlier_results(out: Path, inputs: Mapping[str, Any]) -> Results | None:
 def remember(out: Path, inputs: Mapping[str, Any], cases: Iterable[Case], results: Results, diagnosis_limit_s: float) -> None:
     """Leave the record of a run that is complete; of one that another try might make otherwise, none is left.
 
-    inputs: `Inputs.state()` from before the scenes were read. diagnosis_limit_s: a diagnosis that took so long might find more
-    another day.
+    inputs: `Inputs.state()` from before the scenes were read. diagnosis_limit_s: that of each diagnosis.
     """
     (out / INPUTS_FILE).unlink(missing_ok=True)
     if not all(render.status in SETTLED for case in results.cases for render in case.renders.values()):
         return
-    diagnoses = (read_json(path) for path in (out / "cases").glob(f"*/*/{DIAGNOSIS_FILE}"))
-    if any(found is None or found["seconds"] >= diagnosis_limit_s for found in diagnoses):
+    diagnoses = (diagnosing.load(path.parent) for path in (out / "cases").glob(f"*/*/{diagnosing.DIAGNOSIS_FILE}"))
+    if any(found is None or diagnosing.may_find_more(found, diagnosis_limit_s) for found in diagnoses):
         return
     files = {
         case.folder / made.file

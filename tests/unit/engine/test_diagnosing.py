@@ -140,11 +140,14 @@ def test_a_continued_tree_keeps_its_diagnoses(tmp_path: Path, search: Search):
     assert pair_of(only_case(finished), "bright", "oracle").explained == 1.0
 
 
-def test_a_diagnosis_that_ran_out_of_time_is_not_remembered(tmp_path: Path, search: Search):
-    search.seconds = diagnosing.TIME_LIMIT_S
+@pytest.mark.parametrize(("causes", "times_asked"), [(("scaled", "unexplained"), 2), (("scaled",), 1)])
+def test_a_diagnosis_that_ran_out_of_time_is_remembered_only_where_it_left_nothing(
+    tmp_path: Path, search: Search, causes: tuple[str, ...], times_asked: int
+):
+    search.seconds, search.causes = diagnosing.TIME_LIMIT_S, causes
     for name in ("one", "two"):
         run(tmp_path / name, "bright", store=tmp_path / "store", diagnose=True)
-    assert len(search.asked) == 2
+    assert len(search.asked) == times_asked
 
 
 def test_without_diagnosis_nothing_is_looked_for_and_run_json_says_so(tmp_path: Path, search: Search):
