@@ -46,6 +46,11 @@ def adapter_identity(entry: Entry, knobs: Knobs | None) -> dict[str, Any]:
     }
 
 
+def version_is_known(identity: Mapping[str, Any]) -> bool:
+    """Whether a renderer of this identity may be taken for the same one another day."""
+    return not str(identity["version"]).startswith("unknown")
+
+
 def adapter_code(entry: Entry) -> str:
     """Hash of the adapter's own package, and of the packages that it names in the optional attribute `code_packages`."""
     packages = tuple(getattr(entry.adapter, "code_packages", ()))
@@ -54,7 +59,7 @@ def adapter_code(entry: Entry) -> str:
 
 def render_key(case: Case, identity: dict[str, Any], adapter: str) -> str | None:
     """Key of a render; None for one that must not be reused, because the renderer's version is not known."""
-    if str(identity["version"]).startswith("unknown"):
+    if not version_is_known(identity):
         return None
     return key(
         what="render",

@@ -11,6 +11,7 @@ import hashlib
 import json
 import os
 from collections.abc import Iterable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from importlib.metadata import entry_points
 from pathlib import Path
@@ -18,7 +19,7 @@ from typing import Any
 
 from equilux import diagnosing, machine
 from equilux.adapter import Case, Knobs
-from equilux.identity import adapter_identity
+from equilux.identity import adapter_identity, version_is_known
 from equilux.registry import Entry
 from equilux.results import Results, summarise
 from equilux.reuse import code_fingerprint
@@ -62,7 +63,14 @@ class Inputs:
 
 def earlier_results(out: Path, inputs: Mapping[str, Any]) -> Results | None:
     """What an earlier run left in `out`, where one from these inputs (`Inputs.state`) would make the same again; its renders are
-    then marked as reused, in results.json too. None where anything differs."""
+    then marked as reused, in results.json too. None where anything differs, or cannot be read or written."""
+    try:
+        return _earlier_results(out, inputs)
+    except (OSError, ValueError):
+        return None  # whatever is wrong with the tree, a run that looks at all of it can tell
+
+
+def _earlier_results(out: Path, inputs: Mapping[str, Any]) -> Results | None:
     record = read_json(out / INPUTS_FILE)
     if record is None or any(record.get(part) != now for part, now in (("schema", SCHEMA), ("inputs", inputs))):
         return None
@@ -71,10 +79,7 @@ def earlier_results(out: Path, inputs: Mapping[str, Any]) -> Results | None:
     meshes = record.get("meshes")
     if not isinstance(meshes, dict) or any(_hash(Path(path)) != earlier for path, earlier in meshes.items()):
         return None
-    try:
-        results = Results.model_validate_json((out / "results.json").read_bytes())
-    except (OSError, ValueError):
-        return None
+    results = Results.model_validate_json((out / "results.json").read_bytes())
     delivered = [render for case in results.cases for render in case.renders.values() if render.status == "ok"]
     if not all(render.reused for render in delivered):
         for render in delivered:
@@ -91,6 +96,8 @@ def remember(out: Path, inputs: Mapping[str, Any], cases: Iterable[Case], result
     inputs: `Inputs.state()` from before the scenes were read. diagnosis_limit_s: that of each diagnosis.
     """
     (out / INPUTS_FILE).unlink(missing_ok=True)
+    if not all(version_is_known(identity) for identity in inputs["adapters"].values()):
+        return
     if not all(render.status in SETTLED for case in results.cases for render in case.renders.values()):
         return
     diagnoses = (diagnosing.load(path.parent) for path in (out / "cases").glob(f"*/*/{diagnosing.DIAGNOSIS_FILE}"))
@@ -105,7 +112,8 @@ def remember(out: Path, inputs: Mapping[str, Any], cases: Iterable[Case], result
     meshes = {str(path.absolute()): _hash(path) for path in sorted(files)}
     if None in meshes.values():
         return
-    write_json(out / INPUTS_FILE, {"schema": SCHEMA, "inputs": dict(inputs), "meshes": meshes, "tree": _tree_state(out)})
+    with suppress(OSError):  # a full disk: the next run is made, that is all
+        write_json(out / INPUTS_FILE, {"schema": SCHEMA, "inputs": dict(inputs), "meshes": meshes, "tree": _tree_state(out)})
 
 
 def _hash(path: Path) -> str | None:

@@ -7,10 +7,12 @@ import os
 import shutil
 from collections.abc import Callable
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
 
+from equilux import unchanged
 from support.engine import write_scene
 
 PINNED = "expect:\n  - {adapter: good, cause: 'fakes:ramp'}"
@@ -121,6 +123,21 @@ def test_a_changed_mesh_is_seen(elsewhere: Path, equilux: Run):
 def test_a_render_that_failed_is_tried_again(run: Run):
     assert [run(adapters="good,raising").code for _ in range(2)] == [3, 3]
     assert not Path("equilux-out/inputs.json").exists()
+
+
+@pytest.mark.parametrize(("version", "left"), [("3.7", True), ("unknown: it does not say", False)])
+def test_a_renderer_whose_version_is_unknown_is_asked_every_time(elsewhere: Path, version: str, left: bool):
+    unchanged.remember(elsewhere, {"adapters": {"povray": {"version": version}}}, [], SimpleNamespace(cases=[]), 20.0)
+    assert (elsewhere / "inputs.json").exists() == left
+
+
+def test_a_full_disk_costs_no_more_than_the_next_run(elsewhere: Path, monkeypatch: pytest.MonkeyPatch):
+    def full(path: Path, content: object) -> None:
+        raise OSError(28, "No space left on device", str(path))
+
+    monkeypatch.setattr(unchanged, "write_json", full)
+    unchanged.remember(elsewhere, {"adapters": {}}, [], SimpleNamespace(cases=[]), 20.0)
+    assert list(elsewhere.iterdir()) == []
 
 
 def test_github_is_told_every_time(run: Run, monkeypatch: pytest.MonkeyPatch):
