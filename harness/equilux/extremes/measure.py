@@ -77,7 +77,7 @@ def turns(axis: Axis, points: Sequence[Point]) -> list[Turn]:
                 direction="down" if direction == "down" else "up",
                 reached=points[order[-1]].value,
                 breakdown=value(found.first),
-                last_good=value(_last_good(found, coarse, order)),
+                last_good=value(found.last_good if coarse is None else _last_good(points, order[: order.index(coarse)])),
                 bumps=[points[index].value for index in found.bumps],
                 gives_up=value(ends[0] if ends else None),
                 coarse=value(coarse),
@@ -89,12 +89,9 @@ def turns(axis: Axis, points: Sequence[Point]) -> list[Turn]:
     return out
 
 
-def _last_good(found: breakdown.Breakdown, coarse: int | None, order: Sequence[int]) -> int | None:
-    """The last picture before the breakdown that is inside, and before any that is coarse."""
-    if coarse is None or found.last_good is None or order.index(found.last_good) < order.index(coarse):
-        return found.last_good
-    place = order.index(coarse) - 1
-    return order[place] if place >= 0 else None
+def _last_good(points: Sequence[Point], ahead: Sequence[int]) -> int | None:
+    """The last picture of these that is inside."""
+    return next((index for index in reversed(ahead) if points[index].outcome in breakdown.HOLDS), None)
 
 
 def _first_coarse(points: Sequence[Point], order: Sequence[int], broken: int | None) -> int | None:
